@@ -1,0 +1,46 @@
+// Axis-aligned bounding boxes, in double (geometry) and in float rounded outward (broadphase).
+//
+//   Aabb box = bounds(shape, pose);
+#pragma once
+
+#include <carom/collision/shapes.hpp>
+#include <carom/core/pose.hpp>
+
+#include <limits>
+
+namespace carom {
+
+/// A closed box [lower, upper] [m]. The default is empty: lower > upper.
+struct Aabb {
+    dvec3 lower{std::numeric_limits<double>::infinity()};
+    dvec3 upper{-std::numeric_limits<double>::infinity()};
+    friend bool operator==(const Aabb&, const Aabb&) = default;
+};
+
+[[nodiscard]] inline bool is_empty(const Aabb& a) noexcept {
+    return !(a.lower.x <= a.upper.x && a.lower.y <= a.upper.y && a.lower.z <= a.upper.z);
+}
+/// Closed test: boxes that only touch overlap.
+[[nodiscard]] inline bool overlaps(const Aabb& a, const Aabb& b) noexcept {
+    return a.lower.x <= b.upper.x && b.lower.x <= a.upper.x && a.lower.y <= b.upper.y && b.lower.y <= a.upper.y &&
+           a.lower.z <= b.upper.z && b.lower.z <= a.upper.z;
+}
+[[nodiscard]] inline Aabb merge(const Aabb& a, const Aabb& b) noexcept {
+    return {glm::min(a.lower, b.lower), glm::max(a.upper, b.upper)};
+}
+[[nodiscard]] inline Aabb inflate(const Aabb& a, double margin) noexcept {
+    return {a.lower - dvec3{margin}, a.upper + dvec3{margin}};
+}
+
+/// @return a box that holds the shape at `pose`; for a plane, infinite on every axis.
+/// Accuracy: encloses the exact shape up to a few ulp of double; tight for sphere, box, capsule and hull; for a mesh it
+/// encloses the rotated box of the mesh.
+[[nodiscard]] Aabb bounds(const Shape& shape, const Pose& pose);
+
+/// @return the radius about the shape's own origin of a ball that holds it [m]; infinite for a plane.
+[[nodiscard]] double bounding_radius(const Shape& shape);
+
+/// @return the smallest edge of the box that holds the shape in its own frame [m]; infinite for a plane.
+[[nodiscard]] double smallest_extent(const Shape& shape);
+
+}  // namespace carom

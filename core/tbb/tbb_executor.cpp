@@ -1,0 +1,47 @@
+#include <carom/core/tbb/tbb_executor.hpp>
+
+#include <carom/core/check.hpp>
+
+#include <oneapi/tbb/blocked_range.h>
+#include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/parallel_for.h>
+#include <oneapi/tbb/task_arena.h>
+
+#include <algorithm>
+
+namespace carom {
+namespace {
+
+int checked(int threads) {
+    CAROM_REQUIRE(threads >= 1, ErrorCode::InvalidArgument, "an executor needs at least one thread", 1);
+    return threads;
+}
+
+}  // namespace
+
+struct TbbExecutor::Arena {
+    explicit Arena(int threads)
+        : limit(oneapi::tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)), arena(threads) {}
+    oneapi::tbb::global_control limit;  // lets an arena be wider than the machine, for tests of determinism
+    oneapi::tbb::task_arena arena;
+};
+
+TbbExecutor::TbbExecutor(int threads) : arena_(std::make_unique<Arena>(checked(threads))) {}
+TbbExecutor::~TbbExecutor() = default;
+
+int TbbExecutor::thread_count() const noexcept { return arena_->arena.max_concurrency(); }
+
+void TbbExecutor::parallel_for(std::size_t count, std::size_t grain, Body body) {
+    if (count == 0) return;
+    grain = std::max<std::size_t>(grain, 1);
+    if (count <= grain || thread_count() == 1) {
+        body(0, count);
+        return;
+    }
+    arena_->arena.execute([&] {
+        oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<std::size_t>(0, count, grain),
+                                  [&](const auto& range) { body(range.begin(), range.end()); });
+    });
+}
+
+}  // namespace carom

@@ -1,0 +1,30 @@
+// The stages of a step: the rows of the profile, of the plan and of the hash log, and the headings of docs/step.md.
+#pragma once
+
+#include <array>
+
+namespace carom {
+
+enum class Stage : unsigned char {
+    Bounds,
+    Pairs,
+    Collide,
+    Prepare,
+    Velocities,
+    WarmStart,
+    Solve,
+    Positions,
+    Relax,
+    Restitution,
+    Store,
+    Quarantine,
+};
+inline constexpr int kStageCount = 12;
+
+/// @return the name as written above.
+[[nodiscard]] const char* to_string(Stage stage) noexcept;
+
+/// All stages in the order they run.
+[[nodiscard]] std::array<Stage, kStageCount> all_stages() noexcept;
+
+}  // namespace carom

@@ -1,0 +1,60 @@
+// What a step did, how long it took and how wrong it may be.
+#pragma once
+
+#include <carom/core/ids.hpp>
+#include <carom/core/types.hpp>
+#include <carom/dynamics/stage.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <vector>
+
+namespace carom {
+
+/// Mechanical energy [J]; potential is -m g·x, zero at the world's origin. Dynamic bodies only.
+struct Energy {
+    double kinetic = 0.0;
+    double potential = 0.0;
+    [[nodiscard]] double total() const noexcept { return kinetic + potential; }
+};
+
+/// Linear momentum [kg m/s] and angular momentum about the world's origin [kg m²/s]. Dynamic bodies only.
+struct Momentum {
+    dvec3 linear{0.0};
+    dvec3 angular{0.0};
+};
+
+/// Change over a step: after less before.
+struct Balance {
+    Energy energy;
+    Momentum momentum;
+};
+
+struct StepReport {
+    std::uint64_t step = 0;  ///< steps done so far, this one included; 0: the step was refused or dt = 0
+    double dt = 0.0;         ///< [s]
+
+    std::array<double, kStageCount> stage_ms{};  ///< wall time by stage, substeps summed
+    double total_ms = 0.0;
+
+    std::size_t pairs = 0;      ///< from the broadphase and the side list of planes
+    std::size_t manifolds = 0;
+    std::size_t contacts = 0;   ///< points of all manifolds
+    std::size_t touching = 0;   ///< of these, with separation <= 0
+
+    double max_penetration = 0.0;   ///< by the manifolds at the start of the step [m]
+    double mean_penetration = 0.0;  ///< over the touching points [m]
+
+    std::size_t undecided = 0;   ///< pairs whose narrowphase stopped at its cap
+    std::size_t overflow = 0;    ///< manifolds beyond the last colour, solved one after the other
+    std::size_t deep = 0;        ///< points whose push-out speed was limited to WorldDef::max_push_speed
+
+    std::optional<Balance> balance;      ///< where WorldDef::report_balance is on
+    std::vector<BodyId> quarantined;     ///< bodies that went non-finite in this step: restored, stopped and out of the simulation
+
+    [[nodiscard]] double ms(Stage stage) const noexcept { return stage_ms[static_cast<std::size_t>(stage)]; }
+};
+
+}  // namespace carom

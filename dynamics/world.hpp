@@ -1,0 +1,125 @@
+// The world: bodies, shapes, and the step.
+//
+//   World world({.gravity = {0, -9.81, 0}});
+//   BodyId ground = world.create_body({.type = BodyType::Static});
+//   world.add_shape(ground, Plane{{0, 1, 0}, 0});
+//   StepReport report = world.step(1.0 / 60.0);
+#pragma once
+
+#include <carom/broadphase/broadphase.hpp>
+#include <carom/collision/mass_properties.hpp>
+#include <carom/collision/ray_cast.hpp>
+#include <carom/collision/shapes.hpp>
+#include <carom/core/executor.hpp>
+#include <carom/core/ids.hpp>
+#include <carom/core/pose.hpp>
+#include <carom/dynamics/body.hpp>
+#include <carom/dynamics/plan.hpp>
+#include <carom/dynamics/step_report.hpp>
+#include <carom/narrowphase/manifold.hpp>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <span>
+
+namespace carom {
+
+struct WorldDef {
+    dvec3 gravity{0.0, -9.81, 0.0};   ///< [m/s²]
+    int substeps = 4;                 ///< per step, 1..1024
+    Executor* executor = nullptr;     ///< null: serial. Not owned; must outlive the world
+    BroadphaseMethod broadphase = BroadphaseMethod::SweepAndPrune;
+    PlanMode plan = PlanMode::Automatic;
+    double contact_frequency = 30.0;  ///< soft contact [Hz], capped at 1/(8h) of the substep; doubled against static bodies
+    double contact_damping = 10.0;    ///< damping ratio of the soft contact
+    double max_push_speed = 4.0;      ///< overlap is removed at this speed at most [m/s]
+    bool relax = true;                ///< the pass that takes out the energy of the push
+    bool report_balance = false;      ///< fill StepReport::balance
+};
+
+/// A ray's first hit in a world.
+struct WorldRayHit {
+    BodyId body;
+    ShapeId shape;
+    RayHit hit;
+};
+
+/// One contact manifold with what it joins.
+struct ContactView {
+    ShapeId shape_a, shape_b;
+    BodyId body_a, body_b;
+    dvec3 origin{0.0};                  ///< world position that the manifold's points are relative to [m]
+    const Manifold* manifold = nullptr;
+    std::span<const float> normal_impulse;  ///< per point, of the last substep [N s]
+};
+
+/// Bodies, shapes and the step. Every call with bad input (dead id, NaN, wrong range) reports misuse through the error
+/// handler before anything changes, and returns a null id, a zero value or nothing. Not thread-safe; const calls may run at once.
+class World {
+public:
+    explicit World(const WorldDef& def = {});
+    ~World();
+    World(World&&) noexcept;
+    World& operator=(World&&) noexcept;
+
+    [[nodiscard]] const WorldDef& settings() const noexcept;
+
+    BodyId create_body(const BodyDef& def = {});
+    /// Removes the body and its shapes.
+    void destroy_body(BodyId body);
+    /// Adds a shape; the mass of a dynamic body is then the sum over its shapes. Planes and meshes only on static and kinematic
+    /// bodies; a mesh on a dynamic body is refused as WrongType in this version.
+    ShapeId add_shape(BodyId body, Shape shape, const ShapeDef& def = {});
+
+    [[nodiscard]] bool is_alive(BodyId body) const noexcept;
+    [[nodiscard]] bool is_alive(ShapeId shape) const noexcept;
+    [[nodiscard]] std::size_t body_count() const noexcept;
+    /// @return the living bodies, in order of creation; valid until a body is created or destroyed.
+    [[nodiscard]] std::span<const BodyId> bodies() const noexcept;
+
+    [[nodiscard]] BodyType type(BodyId body) const;
+    [[nodiscard]] const std::string& name(BodyId body) const;
+    [[nodiscard]] Pose pose(BodyId body) const;             ///< of the body's origin
+    [[nodiscard]] dvec3 center_of_mass(BodyId body) const;  ///< world [m]
+    [[nodiscard]] dvec3 linear_velocity(BodyId body) const;
+    [[nodiscard]] dvec3 angular_velocity(BodyId body) const;
+    [[nodiscard]] MassProperties mass_properties(BodyId body) const;  ///< in the body's frame; zero unless dynamic
+    [[nodiscard]] bool is_quarantined(BodyId body) const;
+    [[nodiscard]] std::span<const ShapeId> shapes(BodyId body) const;
+
+    [[nodiscard]] BodyId body_of(ShapeId shape) const;
+    [[nodiscard]] const Shape& shape(ShapeId shape) const;       ///< a unit sphere for a dead id, after the report
+    [[nodiscard]] const ShapeDef& shape_def(ShapeId shape) const;
+    [[nodiscard]] Pose shape_pose(ShapeId shape) const;          ///< in the world
+
+    void set_pose(BodyId body, const Pose& pose);
+    void set_linear_velocity(BodyId body, const dvec3& velocity);
+    void set_angular_velocity(BodyId body, const dvec3& velocity);
+    void set_mass_properties(BodyId body, const MassProperties& mass);
+    /// Changes the velocity at once. @param impulse [N s], at the world point `point` [m].
+    void apply_impulse(BodyId body, const dvec3& impulse, const dvec3& point);
+
+    /// Advances by `dt` seconds. dt = 0 changes no bit; NaN, infinite or negative dt is refused. docs/step.md explains each stage.
+    StepReport step(double dt);
+
+    /// What the next step will run and skip.
+    [[nodiscard]] Plan plan() const;
+    /// Hash of every body's pose and velocities, in order of creation.
+    [[nodiscard]] std::uint64_t state_hash() const;
+    [[nodiscard]] Energy energy() const;
+    [[nodiscard]] Momentum momentum() const;
+
+    /// The contacts of the last step, in a fixed order.
+    [[nodiscard]] std::size_t contact_count() const noexcept;
+    [[nodiscard]] ContactView contact(std::size_t index) const;
+
+    /// First hit over all shapes; ties go to the body created first. Linear in the number of shapes in this version.
+    [[nodiscard]] std::optional<WorldRayHit> cast_ray(const Ray& ray) const;
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace carom

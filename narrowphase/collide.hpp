@@ -1,0 +1,68 @@
+// Two shapes in, manifolds out: the table of pair kernels, one pair or many.
+//
+//   std::vector<Manifold> manifolds;
+//   collide(pairs, executor, scratch, manifolds);
+#pragma once
+
+#include <carom/collision/shapes.hpp>
+#include <carom/core/executor.hpp>
+#include <carom/core/pose.hpp>
+#include <carom/narrowphase/manifold.hpp>
+
+#include <memory>
+#include <span>
+#include <vector>
+
+namespace carom {
+
+/// One pair of placed shapes. The pointers must outlive the call. At most one of the two is a mesh or a plane.
+struct ShapePair {
+    const Shape* a = nullptr;
+    const Shape* b = nullptr;
+    Pose pose_a;
+    Pose pose_b;
+    float margin = 0.0f;  ///< points with a separation up to this are reported [m], >= 0
+};
+
+/// How a pair was decided; anything but Ok is counted in StepReport.
+enum class CollideStatus : unsigned char {
+    Ok,         ///< decided within the documented bound
+    Undecided,  ///< an iteration stopped at its cap: the manifold is conservative (contact reported, depth a lower bound)
+};
+
+/// @return whether the table has a kernel for the two types in this or the other order. It has one for every two types of which at
+/// most one is Plane or TriangleMesh.
+[[nodiscard]] bool can_collide(ShapeType a, ShapeType b) noexcept;
+
+/// Appends the manifolds of one pair to `out`, with `pair` = `index`. No manifold means: farther apart than the margin.
+/// Frame: world axes; see Manifold. Swapping a and b flips the normal and keeps points and separations.
+/// Accuracy: separations 1e-6 of the larger shape's size; depth is the least over the separating axes, never less
+/// than the true overlap by more than that. Evaluated in double relative to A, so the distance from the origin does not matter.
+/// Misuse (null shape, non-finite pose, negative margin, a pair without a kernel) is reported and appends nothing.
+CollideStatus collide(const ShapePair& pair, std::uint32_t index, std::vector<Manifold>& out);
+
+/// Buffers of the batch, kept between calls so that nothing is allocated once warm.
+class CollideScratch {
+public:
+    CollideScratch();
+    ~CollideScratch();
+    CollideScratch(CollideScratch&&) noexcept;
+    CollideScratch& operator=(CollideScratch&&) noexcept;
+
+private:
+    friend struct CollideBatch;
+    struct Data;
+    std::unique_ptr<Data> data_;
+};
+
+/// Counts of one batch.
+struct CollideCounts {
+    std::size_t undecided = 0;
+};
+
+/// Collides all `pairs`, (n,), sorted into batches by kernel, and replaces `out` by their manifolds in the order of `pairs`.
+/// The same bits as the single call, on every number of threads and at every SIMD width.
+CollideCounts collide(std::span<const ShapePair> pairs, Executor& executor, CollideScratch& scratch,
+                      std::vector<Manifold>& out);
+
+}  // namespace carom
