@@ -50,20 +50,22 @@ HWY_INLINE auto load_blocks(const float* base, const std::int32_t* rows, std::si
     }
 }
 
-/// Writes the first blocks of a, b, c, d to rows[0 .. 3], the second ones to rows[4 .. 7], and so on.
+/// Writes the first blocks of a, b, c, d to rows[0 .. 3], the second ones to rows[4 .. 7], and so on; rows >= limit are
+/// left alone.
 template <int lanes, class V>
-HWY_INLINE void store_blocks(V a, V b, V c, V d, float* base, const std::int32_t* rows, std::size_t stride) {
+HWY_INLINE void store_blocks(V a, V b, V c, V d, float* base, const std::int32_t* rows, std::size_t stride,
+                             std::int32_t limit) {
     if constexpr (lanes == 4) {
-        hn::Store(a, BlockTag(), base + static_cast<std::size_t>(rows[0]) * stride);
-        hn::Store(b, BlockTag(), base + static_cast<std::size_t>(rows[1]) * stride);
-        hn::Store(c, BlockTag(), base + static_cast<std::size_t>(rows[2]) * stride);
-        hn::Store(d, BlockTag(), base + static_cast<std::size_t>(rows[3]) * stride);
+        if (rows[0] < limit) hn::Store(a, BlockTag(), base + static_cast<std::size_t>(rows[0]) * stride);
+        if (rows[1] < limit) hn::Store(b, BlockTag(), base + static_cast<std::size_t>(rows[1]) * stride);
+        if (rows[2] < limit) hn::Store(c, BlockTag(), base + static_cast<std::size_t>(rows[2]) * stride);
+        if (rows[3] < limit) hn::Store(d, BlockTag(), base + static_cast<std::size_t>(rows[3]) * stride);
     } else {
         const hn::Simd<float, lanes / 2, 0> half;
         store_blocks<lanes / 2>(hn::LowerHalf(half, a), hn::LowerHalf(half, b), hn::LowerHalf(half, c),
-                                hn::LowerHalf(half, d), base, rows, stride);
+                                hn::LowerHalf(half, d), base, rows, stride, limit);
         store_blocks<lanes / 2>(hn::UpperHalf(half, a), hn::UpperHalf(half, b), hn::UpperHalf(half, c),
-                                hn::UpperHalf(half, d), base, rows + lanes / 2, stride);
+                                hn::UpperHalf(half, d), base, rows + lanes / 2, stride, limit);
     }
 }
 #endif
@@ -90,10 +92,12 @@ HWY_INLINE void gather_rows(const float* base, const std::int32_t* rows, std::si
 
 /// Writes lane l of a, b, c, d to the four floats at base + rows[l] * row_stride + column, in lane order: of lanes that
 /// share a row, the last one's values stay. Alignment as for gather_rows.
+/// @param limit  rows >= limit are not written: data that must not change and that other threads may read.
 HWY_INLINE void scatter_rows(float* base, const std::int32_t* rows, std::size_t row_stride, std::size_t column, Floats a,
-                             Floats b, Floats c, Floats d) {
+                             Floats b, Floats c, Floats d, std::int32_t limit = INT32_MAX) {
     base += column;
 #if HWY_TARGET == HWY_SCALAR
+    if (rows[0] >= limit) return;
     float* row = base + static_cast<std::size_t>(rows[0]) * row_stride;
     hn::StoreU(a.raw, FloatTag(), row);
     hn::StoreU(b.raw, FloatTag(), row + 1);
@@ -101,7 +105,7 @@ HWY_INLINE void scatter_rows(float* base, const std::int32_t* rows, std::size_t 
     hn::StoreU(d.raw, FloatTag(), row + 3);
 #else
     transpose_blocks(a, b, c, d);
-    detail::store_blocks<kLanes>(a.raw, b.raw, c.raw, d.raw, base, rows, row_stride);
+    detail::store_blocks<kLanes>(a.raw, b.raw, c.raw, d.raw, base, rows, row_stride, limit);
 #endif
 }
 

@@ -18,6 +18,7 @@
 #include <carom/dynamics/step_report.hpp>
 #include <carom/narrowphase/manifold.hpp>
 
+#include <array>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -51,7 +52,7 @@ struct ContactView {
     BodyId body_a, body_b;
     dvec3 origin{0.0};                  ///< world position that the manifold's points are relative to [m]
     const Manifold* manifold = nullptr;
-    std::span<const float> normal_impulse;  ///< per point, of the last substep [N s]
+    std::array<float, kMaxManifoldPoints> normal_impulse{};  ///< per point, of the last substep [N s]
 };
 
 /// Bodies, shapes and the step. Every call with bad input (dead id, NaN, wrong range) reports misuse through the error

@@ -1,0 +1,38 @@
+// What the step knows of a body: where its mass is and how it moves. Indexed by the slot of the body's id.
+#pragma once
+
+#include <carom/core/pose.hpp>
+#include <carom/dynamics/body.hpp>
+
+namespace carom::dynamics {
+
+/// State of the principal frame: origin at the centre of mass, axes along the principal moments.
+struct BodyState {
+    Pose pose;                  ///< of the principal frame in the world
+    dvec3 velocity{0.0};        ///< of the centre of mass [m/s]
+    dvec3 spin{0.0};            ///< angular velocity, world axes [rad/s]
+};
+
+/// How a body's principal moments relate: each class has its own exact or nearly exact free rotation.
+enum class InertiaClass : unsigned char {
+    Isotropic,   ///< all equal: spins at a constant angular velocity
+    Symmetric,   ///< two equal: two exact rotations
+    Asymmetric,  ///< none equal: Strang splitting into rotations about the axes
+};
+
+struct BodyMass {
+    double mass = 0.0;               ///< [kg]; zero: static or kinematic
+    double inverse_mass = 0.0;
+    dvec3 moments{0.0};              ///< principal, about the centre of mass [kg m²]
+    dvec3 inverse_moments{0.0};
+    InertiaClass inertia = InertiaClass::Isotropic;
+    int symmetry_axis = 0;           ///< of a symmetric body: the axis whose moment differs
+    Pose principal{};                ///< of the principal frame in the body's own frame
+    bool given = false;              ///< set by the user: adding shapes does not change it
+};
+
+[[nodiscard]] inline bool is_finite(const BodyState& s) noexcept {
+    return carom::is_finite(s.pose) && carom::is_finite(s.velocity) && carom::is_finite(s.spin);
+}
+
+}  // namespace carom::dynamics

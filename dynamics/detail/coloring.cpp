@@ -1,0 +1,50 @@
+#include <carom/dynamics/detail/coloring.hpp>
+
+#include <array>
+#include <bit>
+
+namespace carom::dynamics {
+namespace {
+
+constexpr std::uint8_t kNoColor = kMaxColors;
+
+/// Takes the first colour >= `from` that neither mask holds.
+std::uint8_t take_color(std::uint32_t taken, unsigned from) {
+    const std::uint32_t free = from < kMaxColors ? ~taken & (~std::uint32_t{0} << from) : 0u;
+    return free != 0 ? static_cast<std::uint8_t>(std::countr_zero(free)) : kNoColor;
+}
+
+std::uint32_t bit_of(std::uint8_t color) { return color < kMaxColors ? std::uint32_t{1} << color : 0u; }
+
+}  // namespace
+
+void Coloring::color(std::span<const ContactRows> rows, std::int32_t movable) {
+    used_.assign(static_cast<std::size_t>(movable), 0);
+    colors_.resize(rows.size());
+    unsigned shared_colors = 0;
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        if (rows[i].a >= movable || rows[i].b >= movable) continue;
+        std::uint32_t& a = used_[static_cast<std::size_t>(rows[i].a)];
+        std::uint32_t& b = used_[static_cast<std::size_t>(rows[i].b)];
+        colors_[i] = take_color(a | b, 0);
+        a |= bit_of(colors_[i]);
+        b |= bit_of(colors_[i]);
+        if (colors_[i] != kNoColor && colors_[i] >= shared_colors) shared_colors = colors_[i] + 1u;
+    }
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        if (rows[i].a < movable && rows[i].b < movable) continue;
+        std::uint32_t& row = used_[static_cast<std::size_t>(rows[i].a < movable ? rows[i].a : rows[i].b)];
+        colors_[i] = take_color(row, shared_colors);
+        row |= bit_of(colors_[i]);
+    }
+
+    std::array<std::uint32_t, kMaxColors + 2> counts{};
+    for (const std::uint8_t color : colors_) ++counts[color + 1u];
+    starts_.assign(1, 0);
+    for (std::uint32_t c = 0; c < kMaxColors && counts[c + 1] != 0; ++c) starts_.push_back(starts_.back() + counts[c + 1]);
+    for (std::size_t c = 1; c < counts.size(); ++c) counts[c] += counts[c - 1];
+    order_.resize(rows.size());
+    for (std::uint32_t i = 0; i < rows.size(); ++i) order_[counts[colors_[i]]++] = i;
+}
+
+}  // namespace carom::dynamics

@@ -1,0 +1,71 @@
+// Contacts as the solver sees them: sixteen manifolds side by side, one lane each.
+//
+// All lanes of a bundle belong to one colour: no two of them share a body that can move, so they are solved at once, and
+// bundles of a colour in any order, with the same result. The layout is sixteen wide whatever the machine's width: narrower
+// machines walk a bundle in two, four or more parts, and get the same bits.
+#pragma once
+
+#include <carom/core/bundle.hpp>
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace carom::dynamics {
+
+inline constexpr int kLanesPerBundle = kBundleWidth;
+template <class T>
+using Wide = std::array<T, kLanesPerBundle>;
+
+/// What the solver reads and writes of a body: four rows of four floats. Relative to the body's pose at the start of the step.
+struct alignas(64) SolverBody {
+    float velocity[4] = {};              ///< x y z, unused [m/s]
+    float spin[4] = {};                  ///< x y z, unused [rad/s]
+    float shift[4] = {};                 ///< change of position since the start of the step [m]
+    float turn[4] = {0, 0, 0, 1};        ///< change of orientation, quaternion x y z w
+};
+
+/// Inverse mass and inverse inertia in world axes, constant over the step.
+struct alignas(32) SolverMass {
+    float diagonal[4] = {};  ///< Ixx Iyy Izz and the inverse mass
+    float others[4] = {};    ///< Ixy Ixz Iyz, unused
+};
+
+struct alignas(64) PointLanes {
+    Wide<float> ax{}, ay{}, az{};        ///< contact point from A's centre of mass [m]
+    Wide<float> bx{}, by{}, bz{};        ///< and from B's
+    Wide<float> separation{};            ///< at the start of the step, less dot(b - a, normal) [m]
+    Wide<float> normal_mass{};           ///< effective mass along the normal; zero in unused lanes and points
+    Wide<float> tangent_mass{};          ///< 1 / largest eigenvalue of the tangent plane's inverse mass
+    Wide<float> normal_impulse{};        ///< accumulated over a substep [N s]
+    Wide<float> tangent_impulse_1{}, tangent_impulse_2{};
+    Wide<float> approach{};              ///< normal velocity at the start of the step [m/s], negative: approaching
+    Wide<float> peak_impulse{};          ///< largest normal impulse of the step's substeps
+};
+
+struct alignas(64) ContactBundle {
+    Wide<std::int32_t> row_a{}, row_b{};  ///< rows of SolverBody; unused lanes point at the row that never moves
+    Wide<float> nx{}, ny{}, nz{};         ///< normal from A to B
+    Wide<float> friction{}, restitution{};
+    Wide<float> bias_rate{}, mass_scale{}, impulse_scale{};  ///< soft contact (see soft_contact)
+    std::array<PointLanes, 4> points{};
+    Wide<std::uint32_t> manifold{};       ///< index of the manifold; kUnusedLane where there is none
+    std::int32_t point_count = 0;         ///< the largest of its lanes
+    bool bounces = false;                 ///< some lane has restitution
+};
+inline constexpr std::uint32_t kUnusedLane = ~std::uint32_t{0};
+
+/// The bodies in contact of one step. Rows [0, movable) are dynamic, then come kinematic ones, the last never moves.
+struct SolverBodies {
+    std::vector<SolverBody> bodies;
+    std::vector<SolverMass> masses;
+    std::int32_t movable = 0;
+};
+
+/// A range of bundles without a shared movable body.
+struct Color {
+    std::uint32_t first = 0;
+    std::uint32_t count = 0;
+};
+
+}  // namespace carom::dynamics

@@ -1,0 +1,307 @@
+#include <carom/core/simd_targets.hpp>
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE <carom/dynamics/detail/contact_kernels.cpp>
+#include <hwy/foreach_target.h>
+
+#include <carom/core/lanes.hpp>
+#include <carom/core/math.hpp>
+#include <carom/dynamics/detail/contact_kernels.hpp>
+
+#include <cmath>
+
+HWY_BEFORE_NAMESPACE();
+namespace carom::HWY_NAMESPACE {
+namespace {
+
+using dynamics::ContactBundle;
+using dynamics::PointLanes;
+using dynamics::SolverBodies;
+using dynamics::SolveSettings;
+
+constexpr std::size_t kBodyStride = sizeof(dynamics::SolverBody) / sizeof(float);
+constexpr std::size_t kMassStride = sizeof(dynamics::SolverMass) / sizeof(float);
+
+template <class Array>
+Floats get(const Array& lanes, int lane) {
+    return load(lanes.data() + lane);
+}
+template <class Array>
+void put(Array& lanes, int lane, Floats value) {
+    store(value, lanes.data() + lane);
+}
+
+/// One body of each lane: its motion and its inverse mass.
+struct Bodies {
+    Floats3 v, w;
+    Floats ixx, iyy, izz, ixy, ixz, iyz, inverse_mass;
+
+    /// Velocity change by the impulse ±p at lever arm r.
+    void push(const Floats3& p, const Floats3& r) {
+        v = v + inverse_mass * p;
+        w = w + turned(cross(r, p));
+    }
+    void pull(const Floats3& p, const Floats3& r) {
+        v = v - inverse_mass * p;
+        w = w - turned(cross(r, p));
+    }
+    Floats3 turned(const Floats3& t) const {
+        return {ixx * t.x + ixy * t.y + ixz * t.z, ixy * t.x + iyy * t.y + iyz * t.z, ixz * t.x + iyz * t.y + izz * t.z};
+    }
+    Floats3 velocity_at(const Floats3& r) const { return v + cross(w, r); }
+};
+
+Bodies read_bodies(const SolverBodies& all, const std::int32_t* rows) {
+    const float* body = reinterpret_cast<const float*>(all.bodies.data());
+    const float* mass = reinterpret_cast<const float*>(all.masses.data());
+    // GCC 12 compiles implicit constructors of aggregates for the baseline target: fill them from locals.
+    Floats vx, vy, vz, wx, wy, wz, ixx, iyy, izz, ixy, ixz, iyz, inverse_mass, unused;
+    gather_rows(body, rows, kBodyStride, 0, vx, vy, vz, unused);
+    gather_rows(body, rows, kBodyStride, 4, wx, wy, wz, unused);
+    gather_rows(mass, rows, kMassStride, 0, ixx, iyy, izz, inverse_mass);
+    gather_rows(mass, rows, kMassStride, 4, ixy, ixz, iyz, unused);
+    return {{vx, vy, vz}, {wx, wy, wz}, ixx, iyy, izz, ixy, ixz, iyz, inverse_mass};
+}
+
+void write_bodies(SolverBodies& all, const std::int32_t* rows, const Bodies& b) {
+    float* body = reinterpret_cast<float*>(all.bodies.data());
+    const Floats zero = broadcast(0.0f);
+    scatter_rows(body, rows, kBodyStride, 0, b.v.x, b.v.y, b.v.z, zero, all.movable);
+    scatter_rows(body, rows, kBodyStride, 4, b.w.x, b.w.y, b.w.z, zero, all.movable);
+}
+
+/// Where the bodies of each lane went since the start of the step.
+struct Displacement {
+    Floats3 shift;
+    Floats3 turn;
+    Floats turn_w;
+
+    Floats3 at(const Floats3& r) const {
+        const Floats two = broadcast(2.0f);
+        const Floats3 t = two * cross(turn, r);
+        return shift + r + turn_w * t + cross(turn, t);
+    }
+};
+
+Displacement read_displacement(const SolverBodies& all, const std::int32_t* rows) {
+    const float* body = reinterpret_cast<const float*>(all.bodies.data());
+    Floats sx, sy, sz, tx, ty, tz, tw, unused;
+    gather_rows(body, rows, kBodyStride, 8, sx, sy, sz, unused);
+    gather_rows(body, rows, kBodyStride, 12, tx, ty, tz, tw);
+    return {{sx, sy, sz}, {tx, ty, tz}, tw};
+}
+
+struct Basis {
+    Floats3 n, t1, t2;
+};
+
+/// Tangents of the normal (Duff et al., Building an Orthonormal Basis, Revisited, JCGT 2017).
+Basis make_basis(const ContactBundle& c, int lane) {
+    const Floats one = broadcast(1.0f);
+    const Floats3 n{get(c.nx, lane), get(c.ny, lane), get(c.nz, lane)};
+    const Floats sign = select(n.z < broadcast(0.0f), -one, one);
+    const Floats a = -one / (sign + n.z);
+    const Floats b = n.x * n.y * a;
+    return {n, {one + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}};
+}
+
+Floats3 lever_a(const PointLanes& p, int lane) { return {get(p.ax, lane), get(p.ay, lane), get(p.az, lane)}; }
+Floats3 lever_b(const PointLanes& p, int lane) { return {get(p.bx, lane), get(p.by, lane), get(p.bz, lane)}; }
+
+void warm_start_bundle(ContactBundle& c, SolverBodies& all, int lane) {
+    Bodies a = read_bodies(all, c.row_a.data() + lane);
+    Bodies b = read_bodies(all, c.row_b.data() + lane);
+    const Basis basis = make_basis(c, lane);
+    for (int k = 0; k < c.point_count; ++k) {
+        const PointLanes& p = c.points[static_cast<std::size_t>(k)];
+        const Floats3 impulse = get(p.normal_impulse, lane) * basis.n + get(p.tangent_impulse_1, lane) * basis.t1 +
+                                get(p.tangent_impulse_2, lane) * basis.t2;
+        a.pull(impulse, lever_a(p, lane));
+        b.push(impulse, lever_b(p, lane));
+    }
+    write_bodies(all, c.row_a.data() + lane, a);
+    write_bodies(all, c.row_b.data() + lane, b);
+}
+
+/// Coulomb friction in the tangent plane: one scalar step in both directions, then back radially into the circle.
+void solve_friction(PointLanes& p, int lane, Floats friction, const Basis& basis, Bodies& a, Bodies& b) {
+    const Floats3 ra = lever_a(p, lane);
+    const Floats3 rb = lever_b(p, lane);
+    const Floats3 dv = b.velocity_at(rb) - a.velocity_at(ra);
+    const Floats mass = get(p.tangent_mass, lane);
+    const Floats old1 = get(p.tangent_impulse_1, lane);
+    const Floats old2 = get(p.tangent_impulse_2, lane);
+    const Floats new1 = old1 - mass * dot(dv, basis.t1);
+    const Floats new2 = old2 - mass * dot(dv, basis.t2);
+    const Floats limit = friction * get(p.normal_impulse, lane);
+    const Floats length_sq = new1 * new1 + new2 * new2;
+    const Floats one = broadcast(1.0f);
+    const Mask slips = length_sq > limit * limit;
+    const Floats scale = select(slips, limit / sqrt(select(slips, length_sq, one)), one);
+    const Floats clamped1 = scale * new1;
+    const Floats clamped2 = scale * new2;
+    put(p.tangent_impulse_1, lane, clamped1);
+    put(p.tangent_impulse_2, lane, clamped2);
+    const Floats3 impulse = (clamped1 - old1) * basis.t1 + (clamped2 - old2) * basis.t2;
+    a.pull(impulse, ra);
+    b.push(impulse, rb);
+}
+
+struct SoftLanes {
+    Floats bias_rate, mass_scale, impulse_scale;
+};
+
+template <bool kBias>
+void solve_normal(PointLanes& p, int lane, const SoftLanes& soft, const SolveSettings& settings, const Basis& basis,
+                  Floats separation, Bodies& a, Bodies& b) {
+    const Floats zero = broadcast(0.0f);
+    const Floats one = broadcast(1.0f);
+    const Mask apart = separation > zero;
+    Floats bias = select(apart, separation * broadcast(settings.inverse_h), zero);
+    Floats mass_scale = one;
+    Floats impulse_scale = zero;
+    if constexpr (kBias) {
+        const Floats push = max(soft.bias_rate * separation, broadcast(-settings.max_push_speed));
+        bias = select(apart, bias, push);
+        mass_scale = select(apart, one, soft.mass_scale);
+        impulse_scale = select(apart, zero, soft.impulse_scale);
+    }
+    const Floats3 ra = lever_a(p, lane);
+    const Floats3 rb = lever_b(p, lane);
+    const Floats vn = dot(b.velocity_at(rb) - a.velocity_at(ra), basis.n);
+    const Floats old = get(p.normal_impulse, lane);
+    const Floats change = -(get(p.normal_mass, lane) * mass_scale * (vn + bias)) - impulse_scale * old;
+    const Floats accumulated = max(old + change, zero);
+    put(p.normal_impulse, lane, accumulated);
+    put(p.peak_impulse, lane, max(get(p.peak_impulse, lane), accumulated));
+    const Floats3 impulse = (accumulated - old) * basis.n;
+    a.pull(impulse, ra);
+    b.push(impulse, rb);
+}
+
+template <bool kBias>
+void solve_bundle(ContactBundle& c, SolverBodies& all, const SolveSettings& settings, int lane) {
+    const std::int32_t* rows_a = c.row_a.data() + lane;
+    const std::int32_t* rows_b = c.row_b.data() + lane;
+    Bodies a = read_bodies(all, rows_a);
+    Bodies b = read_bodies(all, rows_b);
+    const Displacement da = read_displacement(all, rows_a);
+    const Displacement db = read_displacement(all, rows_b);
+    const Basis basis = make_basis(c, lane);
+    const Floats friction = get(c.friction, lane);
+    const SoftLanes soft{get(c.bias_rate, lane), get(c.mass_scale, lane), get(c.impulse_scale, lane)};
+    for (int k = 0; k < c.point_count; ++k) {
+        solve_friction(c.points[static_cast<std::size_t>(k)], lane, friction, basis, a, b);
+    }
+    for (int k = 0; k < c.point_count; ++k) {
+        PointLanes& p = c.points[static_cast<std::size_t>(k)];
+        const Floats3 gap = db.at(lever_b(p, lane)) - da.at(lever_a(p, lane));
+        const Floats separation = dot(gap, basis.n) + get(p.separation, lane);
+        solve_normal<kBias>(p, lane, soft, settings, basis, separation, a, b);
+    }
+    write_bodies(all, rows_a, a);
+    write_bodies(all, rows_b, b);
+}
+
+void restitute_bundle(ContactBundle& c, SolverBodies& all, float threshold, int lane) {
+    const Floats zero = broadcast(0.0f);
+    const Floats restitution = get(c.restitution, lane);
+    Bodies a = read_bodies(all, c.row_a.data() + lane);
+    Bodies b = read_bodies(all, c.row_b.data() + lane);
+    const Floats3 n{get(c.nx, lane), get(c.ny, lane), get(c.nz, lane)};
+    for (int k = 0; k < c.point_count; ++k) {
+        PointLanes& p = c.points[static_cast<std::size_t>(k)];
+        const Floats approach = get(p.approach, lane);
+        const Mask bounces =
+            (restitution > zero) & (approach < broadcast(-threshold)) & (get(p.peak_impulse, lane) > zero);
+        const Floats3 ra = lever_a(p, lane);
+        const Floats3 rb = lever_b(p, lane);
+        const Floats vn = dot(b.velocity_at(rb) - a.velocity_at(ra), n);
+        const Floats old = get(p.normal_impulse, lane);
+        const Floats wanted = max(old - get(p.normal_mass, lane) * (vn + restitution * approach), zero);
+        const Floats accumulated = select(bounces, wanted, old);
+        put(p.normal_impulse, lane, accumulated);
+        const Floats3 impulse = (accumulated - old) * n;
+        a.pull(impulse, ra);
+        b.push(impulse, rb);
+    }
+    write_bodies(all, c.row_a.data() + lane, a);
+    write_bodies(all, c.row_b.data() + lane, b);
+}
+
+void WarmStart(std::span<ContactBundle> bundles, SolverBodies& bodies) {
+    for (ContactBundle& c : bundles) {
+        for (int lane = 0; lane < kBundleWidth; lane += kLanes) warm_start_bundle(c, bodies, lane);
+    }
+}
+
+void Solve(std::span<ContactBundle> bundles, SolverBodies& bodies, const SolveSettings& settings) {
+    for (ContactBundle& c : bundles) {
+        for (int lane = 0; lane < kBundleWidth; lane += kLanes) {
+            settings.bias ? solve_bundle<true>(c, bodies, settings, lane) : solve_bundle<false>(c, bodies, settings, lane);
+        }
+    }
+}
+
+void Restitute(std::span<ContactBundle> bundles, SolverBodies& bodies, float threshold) {
+    for (ContactBundle& c : bundles) {
+        if (!c.bounces) continue;  // for the whole bundle, so that every width treats its lanes alike
+        for (int lane = 0; lane < kBundleWidth; lane += kLanes) restitute_bundle(c, bodies, threshold, lane);
+    }
+}
+
+}  // namespace
+}  // namespace carom::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace carom {
+HWY_EXPORT(WarmStart);
+HWY_EXPORT(Solve);
+HWY_EXPORT(Restitute);
+
+namespace dynamics {
+
+SoftContact soft_contact(double frequency, double damping, double h) noexcept {
+    const double w = 2.0 * kPi * frequency;
+    const double a1 = 2.0 * damping + h * w;
+    const double a2 = h * w * a1;
+    const double a3 = 1.0 / (1.0 + a2);
+    return {static_cast<float>(w / a1), static_cast<float>(a2 * a3), static_cast<float>(a3)};
+}
+
+void warm_start(std::span<ContactBundle> bundles, SolverBodies& bodies) {
+    HWY_DYNAMIC_DISPATCH(WarmStart)(bundles, bodies);
+}
+
+void solve(std::span<ContactBundle> bundles, SolverBodies& bodies, const SolveSettings& settings) {
+    HWY_DYNAMIC_DISPATCH(Solve)(bundles, bodies, settings);
+}
+
+void restitute(std::span<ContactBundle> bundles, SolverBodies& bodies, float threshold) {
+    HWY_DYNAMIC_DISPATCH(Restitute)(bundles, bodies, threshold);
+}
+
+void advance(SolverBodies& bodies, std::size_t begin, std::size_t end, float h) noexcept {
+    for (std::size_t i = begin; i < end; ++i) {
+        SolverBody& b = bodies.bodies[i];
+        for (int k = 0; k < 3; ++k) b.shift[k] += h * b.velocity[k];
+        // turn += h/2 (0, spin) * turn, then back to unit length
+        const float x = 0.5f * h * b.spin[0];
+        const float y = 0.5f * h * b.spin[1];
+        const float z = 0.5f * h * b.spin[2];
+        const float qx = b.turn[0], qy = b.turn[1], qz = b.turn[2], qw = b.turn[3];
+        const float nx = qx + (x * qw + y * qz - z * qy);
+        const float ny = qy + (y * qw + z * qx - x * qz);
+        const float nz = qz + (z * qw + x * qy - y * qx);
+        const float nw = qw - (x * qx + y * qy + z * qz);
+        const float scale = 1.0f / std::sqrt(nx * nx + ny * ny + nz * nz + nw * nw);
+        b.turn[0] = scale * nx;
+        b.turn[1] = scale * ny;
+        b.turn[2] = scale * nz;
+        b.turn[3] = scale * nw;
+    }
+}
+
+}  // namespace dynamics
+}  // namespace carom
+#endif

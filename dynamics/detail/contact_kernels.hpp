@@ -1,0 +1,38 @@
+// The passes of the contact solver over a range of bundles, through the machine's SIMD lanes.
+#pragma once
+
+#include <carom/dynamics/detail/contact_bundle.hpp>
+
+#include <span>
+
+namespace carom::dynamics {
+
+/// A soft contact as an implicit spring and damper, after Catto, Soft Constraints (GDC 2011) and Solver2D (2024).
+struct SoftContact {
+    float bias_rate = 0.0f;      ///< velocity per overlap [1/s]
+    float mass_scale = 1.0f;
+    float impulse_scale = 0.0f;
+};
+/// @param frequency [Hz], damping ratio, substep h [s]; with w = 2 pi f: bias_rate = w / (2 z + h w), mass_scale =
+/// h w (2 z + h w) / (1 + h w (2 z + h w)), impulse_scale = 1 - mass_scale.
+[[nodiscard]] SoftContact soft_contact(double frequency, double damping, double h) noexcept;
+
+struct SolveSettings {
+    float inverse_h = 0.0f;       ///< 1 / substep [1/s]
+    float max_push_speed = 0.0f;  ///< overlap is removed at this speed at most [m/s]
+    bool bias = true;             ///< false: the relax pass, rigid and without push
+};
+
+/// Applies the accumulated impulses to the bodies' velocities.
+void warm_start(std::span<ContactBundle> bundles, SolverBodies& bodies);
+
+/// One Gauss-Seidel pass: friction, then the normal, of each point in turn.
+void solve(std::span<ContactBundle> bundles, SolverBodies& bodies, const SolveSettings& settings);
+
+/// Newton's impact law at points that pushed and approached faster than `threshold` [m/s].
+void restitute(std::span<ContactBundle> bundles, SolverBodies& bodies, float threshold);
+
+/// Advances shift and turn of the rows [begin, end) by `h` at their velocities.
+void advance(SolverBodies& bodies, std::size_t begin, std::size_t end, float h) noexcept;
+
+}  // namespace carom::dynamics

@@ -1,0 +1,58 @@
+// The contacts of a step and what they remember of the step before.
+#pragma once
+
+#include <carom/core/ids.hpp>
+#include <carom/narrowphase/manifold.hpp>
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace carom::dynamics {
+
+/// Two shapes that may meet. Pairs are sorted by key.
+struct ContactPair {
+    std::uint64_t key = 0;                 ///< slots of the two shapes, smaller first
+    std::uint64_t generations = 0;         ///< of their ids, in the same order: a reused slot is another shape
+    BodyId body_a, body_b;
+    std::uint32_t proxy_a = 0, proxy_b = 0;
+    std::uint32_t first_manifold = 0, manifold_count = 0;
+};
+
+/// Impulses of one contact point, in the order of the manifold's points [N s].
+struct PointImpulse {
+    float normal = 0.0f;
+    vec3 friction{0.0f};  ///< world axes: survives a change of the tangents
+};
+using ManifoldImpulses = std::array<PointImpulse, kMaxManifoldPoints>;
+
+struct ContactSet {
+    std::vector<ContactPair> pairs;
+    std::vector<Manifold> manifolds;          ///< in the order of the pairs
+    std::vector<ManifoldImpulses> impulses;   ///< one for each manifold
+
+    void clear() noexcept {
+        pairs.clear();
+        manifolds.clear();
+        impulses.clear();
+    }
+};
+
+/// Fills in first_manifold and manifold_count of every pair from Manifold::pair.
+void link_manifolds(ContactSet& contacts) noexcept;
+
+/// Gives each point the impulses that the point of the same feature and the same pair had in `before`; zero where it is new.
+/// Cost: linear in the two sets.
+void carry_impulses(ContactSet& contacts, const ContactSet& before);
+
+/// Largest and mean penetration by the manifolds themselves.
+struct ContactSummary {
+    std::size_t points = 0;
+    std::size_t touching = 0;        ///< separation <= 0
+    double max_penetration = 0.0;    ///< [m]
+    double mean_penetration = 0.0;   ///< over the touching points [m]
+};
+[[nodiscard]] ContactSummary summarise(const ContactSet& contacts) noexcept;
+
+}  // namespace carom::dynamics

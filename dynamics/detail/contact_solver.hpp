@@ -1,0 +1,79 @@
+// TGS-soft: substeps of soft constraints with a relax pass, wide over coloured bundles.
+//
+// Source: Macklin et al., Small Steps in Physics Simulation (2019); Catto, Solver2D (2024). Departures: bundles of sixteen
+// manifolds in 3-D; friction in a true circle with the scalar step 1/lambda_max; deltas of position and orientation are
+// floats relative to the double pose at the start of the step.
+#pragma once
+
+#include <carom/core/executor.hpp>
+#include <carom/dynamics/detail/body_state.hpp>
+#include <carom/dynamics/detail/coloring.hpp>
+#include <carom/dynamics/detail/contact_bundle.hpp>
+#include <carom/dynamics/detail/contact_kernels.hpp>
+#include <carom/dynamics/detail/contact_set.hpp>
+#include <carom/dynamics/detail/proxies.hpp>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace carom::dynamics {
+
+struct SolverSettings {
+    dvec3 gravity{0.0};          ///< [m/s²]
+    double dt = 0.0;             ///< of the step [s]
+    int substeps = 4;
+    double frequency = 30.0;     ///< of soft contact [Hz]; at most 1/(8h) is used
+    double damping = 10.0;
+    double max_push_speed = 4.0; ///< [m/s]
+    [[nodiscard]] double substep() const noexcept { return dt / substeps; }
+};
+
+class ContactSolver {
+public:
+    /// Takes in the contacts and the bodies they touch, colours the manifolds and fills the bundles.
+    void prepare(const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies,
+                 const SolverSettings& settings, Executor& executor);
+
+    void integrate_velocities();
+    void warm_start(Executor& executor);
+    void solve(bool bias, Executor& executor);
+    void integrate_positions(Executor& executor);
+    void restitute(Executor& executor);
+
+    /// Writes the bodies' new states and the contacts' impulses back.
+    void store(BodyArrays& bodies, ContactSet& contacts, Executor& executor) const;
+
+    /// @return whether any contact holds the body in `slot` in this step: it is the solver's, not the free integrator's.
+    [[nodiscard]] bool holds(std::uint32_t slot) const noexcept { return row_of_slot_[slot] != kNoRow; }
+    [[nodiscard]] std::size_t overflow_count() const noexcept { return coloring_.overflow_count(); }
+    [[nodiscard]] std::size_t deep_count() const noexcept { return deep_count_; }
+
+private:
+    static constexpr std::int32_t kNoRow = -1;
+
+    void assign_rows(const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies);
+    void fill_rows(const BodyArrays& bodies, Executor& executor);
+    void list_contact_rows(const ContactSet& contacts, const ProxySet& proxies);
+    void lay_out_bundles();
+    void fill_bundle(ContactBundle& bundle, const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies) const;
+    void count_deep(const ContactSet& contacts);
+    template <class Pass>
+    void for_each_color(Executor& executor, const Pass& pass);
+
+    SolverSettings settings_;
+    SoftContact soft_, soft_static_;
+    SolverBodies rows_;
+    std::vector<std::uint32_t> slot_of_row_;
+    std::vector<std::int32_t> row_of_slot_;
+    std::vector<vec3> gyroscopic_;             // change of spin a substep, per movable row
+    std::vector<ContactRows> contact_rows_;    // per manifold
+    std::vector<std::uint32_t> pair_of_;       // per manifold
+    Coloring coloring_;
+    std::vector<Color> colors_;
+    std::vector<ContactBundle> bundles_;
+    std::uint32_t first_overflow_bundle_ = 0;  // these are solved one after the other
+    std::size_t deep_count_ = 0;
+};
+
+}  // namespace carom::dynamics

@@ -1,0 +1,35 @@
+// Motion without contact, by inertia class, in double.
+#pragma once
+
+#include <carom/dynamics/detail/body_state.hpp>
+
+namespace carom::dynamics {
+
+/// Classifies principal moments: equal means equal to 1e-12 of the largest.
+void classify_inertia(BodyMass& mass) noexcept;
+
+/// Advances a body that nothing touches by `dt` [s] under the constant `acceleration` [m/s²].
+///
+/// Translation is exact: v is kicked by half before and half after the drift. Rotation is torque-free: isotropic bodies by the
+/// exponential map; symmetric ones by two exact rotations, about L and about the symmetry axis; asymmetric ones by Strang
+/// splitting of the energy into rotations about the body's axes (McLachlan 1993; Hairer, Lubich, Wanner 2006, VII.5.3),
+/// sub-cycled so that no cycle turns further than kMaxCycleAngle. Splitting keeps |L| to rounding; its energy error is about
+/// 0.02 times the square of the angle of a cycle, and does not grow.
+/// Cost: one cycle is 5 sines and cosines; no cap on the number of cycles below 1e6 rad a step, above which the state
+/// is made non-finite for the quarantine to find.
+void integrate_free(BodyState& state, const BodyMass& mass, const dvec3& acceleration, double dt) noexcept;
+
+/// 1/64 rad: the energy error of a 2:3:4 body is 5e-6.
+inline constexpr double kMaxCycleAngle = 1.0 / 64.0;
+
+/// @return how the spin of a body changes over `dt` by its gyroscopic torque alone [rad/s]; zero for isotropic bodies.
+/// For bodies in contact: the solver adds it evenly over the substeps. Exact to the order of the splitting above.
+[[nodiscard]] dvec3 gyroscopic_change(const BodyState& state, const BodyMass& mass, double dt) noexcept;
+
+/// @return the inverse inertia in world axes.
+[[nodiscard]] dmat3 world_inverse_inertia(const BodyState& state, const BodyMass& mass) noexcept;
+
+/// @return angular momentum about the centre of mass, world axes [kg m²/s].
+[[nodiscard]] dvec3 angular_momentum(const BodyState& state, const BodyMass& mass) noexcept;
+
+}  // namespace carom::dynamics

@@ -1,0 +1,128 @@
+#include <carom/dynamics/detail/proxies.hpp>
+
+#include <carom/collision/aabb.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace carom::dynamics {
+namespace {
+
+constexpr std::size_t kGrain = 256;
+constexpr double kMarginShare = 0.25;  // of the smallest extent
+
+bool fits(const FloatAabb& box) { return carom::is_finite(box.lower) && carom::is_finite(box.upper); }
+
+/// Motion of any point of the shape beyond the straight path of the centre of mass.
+double play(const Proxy& proxy, const BodyState& state, const Motion& motion) {
+    const double turn = std::min(glm::length(state.spin) * motion.dt, 2.0);
+    return glm::length(motion.gravity) * motion.dt * motion.dt + proxy.reach * turn;
+}
+
+Aabb swept_box(const Proxy& proxy, const BodyState& state, const Motion& motion) {
+    const Aabb box = bounds(*proxy.shape, state.pose * proxy.local);
+    const dvec3 path = state.velocity * motion.dt;
+    const Aabb moved{box.lower + glm::min(path, dvec3{0.0}), box.upper + glm::max(path, dvec3{0.0})};
+    return inflate(moved, play(proxy, state, motion));
+}
+
+std::uint64_t pack(std::uint32_t high, std::uint32_t low) { return (std::uint64_t{high} << 32) | low; }
+
+ContactPair make_pair(const ProxySet& proxies, std::uint32_t a, std::uint32_t b) {
+    if (proxy_at(proxies, b).id.slot < proxy_at(proxies, a).id.slot) std::swap(a, b);
+    const ShapeId id_a = proxy_at(proxies, a).id;
+    const ShapeId id_b = proxy_at(proxies, b).id;
+    ContactPair pair;
+    pair.key = pack(id_a.slot, id_b.slot);
+    pair.generations = pack(id_a.generation, id_b.generation);
+    pair.body_a = proxy_at(proxies, a).owner;
+    pair.body_b = proxy_at(proxies, b).owner;
+    pair.proxy_a = a;
+    pair.proxy_b = b;
+    return pair;
+}
+
+bool filters_agree(const ProxyFilter& a, const ProxyFilter& b) {
+    return (a.layer & b.mask) != 0 && (b.layer & a.mask) != 0;
+}
+
+/// Whether the box reaches the half-space's surface: its corner that lies deepest.
+bool reaches(const ProxySet& proxies, const FloatAabb& box, const Pose& pose, const Plane& plane) {
+    const dvec3 normal = rotate(pose.orientation, dvec3{plane.normal});
+    const dvec3 lower = proxies.origin + dvec3{box.lower};
+    const dvec3 upper = proxies.origin + dvec3{box.upper};
+    const dvec3 corner{normal.x > 0.0 ? lower.x : upper.x, normal.y > 0.0 ? lower.y : upper.y,
+                       normal.z > 0.0 ? lower.z : upper.z};
+    return glm::dot(corner - pose.position, normal) <= static_cast<double>(plane.offset);
+}
+
+}  // namespace
+
+void update_swept_bounds(ProxySet& proxies, const BodyArrays& bodies, const Motion& motion, Executor& executor,
+                         std::vector<std::uint32_t>& lost) {
+    const std::size_t count = proxies.bounded.size();
+    proxies.boxes.resize(count);
+    proxies.motion.resize(count);
+    executor.parallel_for(count, kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const Proxy& proxy = proxies.bounded[i];
+            const Role role = bodies.roles[proxy.body];
+            if (role == Role::Static && !proxies.static_boxes_stale) continue;
+            const BodyState& state = bodies.states[proxy.body];
+            proxies.boxes[i] = round_outward(swept_box(proxy, state, motion), proxies.origin);
+            proxies.motion[i] = role == Role::Static
+                                    ? 0.0
+                                    : glm::length(state.velocity) * motion.dt + play(proxy, state, motion);
+        }
+    });
+    proxies.static_boxes_stale = false;
+    lost.clear();
+    for (std::size_t i = 0; i < count; ++i) {
+        if (!fits(proxies.boxes[i])) lost.push_back(proxies.bounded[i].body);
+    }
+}
+
+void gather_pairs(const ProxySet& proxies, const BodyArrays& bodies, std::span<const ProxyPair> found,
+                  std::vector<ContactPair>& pairs) {
+    pairs.clear();
+    for (const ProxyPair& pair : found) {
+        if (proxies.bounded[pair.a].body == proxies.bounded[pair.b].body) continue;
+        pairs.push_back(make_pair(proxies, pair.a, pair.b));
+    }
+    if (proxies.unbounded.empty()) return;
+    for (std::size_t p = 0; p < proxies.unbounded.size(); ++p) {
+        const Proxy& plane = proxies.unbounded[p];
+        const Pose pose = bodies.states[plane.body].pose * plane.local;
+        for (std::size_t i = 0; i < proxies.bounded.size(); ++i) {
+            if (!proxies.filters[i].movable || !filters_agree(proxies.filters[i], plane.filter)) continue;
+            if (!reaches(proxies, proxies.boxes[i], pose, std::get<Plane>(*plane.shape))) continue;
+            pairs.push_back(make_pair(proxies, static_cast<std::uint32_t>(i),
+                                      static_cast<std::uint32_t>(proxies.bounded.size() + p)));
+        }
+    }
+    // Keys are unique, so any stable sort gives one order; pairs with planes are few beside the rest.
+    std::stable_sort(pairs.begin(), pairs.end(), [](const ContactPair& a, const ContactPair& b) { return a.key < b.key; });
+}
+
+void list_shape_pairs(const ProxySet& proxies, const BodyArrays& bodies, std::span<const ContactPair> pairs,
+                      Executor& executor, std::vector<ShapePair>& out) {
+    out.resize(pairs.size());
+    executor.parallel_for(pairs.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const Proxy& a = proxy_at(proxies, pairs[i].proxy_a);
+            const Proxy& b = proxy_at(proxies, pairs[i].proxy_b);
+            const auto motion_of = [&](std::uint32_t index) {
+                return index < proxies.motion.size() ? proxies.motion[index] : 0.0;
+            };
+            const double closing = motion_of(pairs[i].proxy_a) + motion_of(pairs[i].proxy_b);
+            out[i].a = a.shape;
+            out[i].b = b.shape;
+            out[i].pose_a = bodies.states[a.body].pose * a.local;
+            out[i].pose_b = bodies.states[b.body].pose * b.local;
+            out[i].margin = static_cast<float>(std::min(closing, kMarginShare * std::min(a.extent, b.extent)));
+        }
+    });
+}
+
+}  // namespace carom::dynamics

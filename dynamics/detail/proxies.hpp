@@ -1,0 +1,75 @@
+// Shapes as the step sees them: one entry a shape, in the order of the shapes' slots.
+#pragma once
+
+#include <carom/broadphase/broadphase.hpp>
+#include <carom/collision/shapes.hpp>
+#include <carom/core/ids.hpp>
+#include <carom/core/pose.hpp>
+#include <carom/dynamics/detail/body_state.hpp>
+#include <carom/dynamics/detail/contact_set.hpp>
+#include <carom/narrowphase/collide.hpp>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace carom::dynamics {
+
+/// What a body may do in this step. Quarantined bodies and empty slots are Absent.
+enum class Role : unsigned char { Absent, Static, Kinematic, Dynamic };
+
+struct Proxy {
+    ShapeId id;
+    BodyId owner;
+    std::uint32_t body = 0;        ///< slot of the owner
+    const Shape* shape = nullptr;
+    Pose local{};                  ///< of the shape in its body's principal frame
+    double reach = 0.0;            ///< farthest point from the centre of mass [m]
+    double extent = 0.0;           ///< smallest extent of the shape [m]
+    float friction = 0.0f, restitution = 0.0f;
+    ProxyFilter filter;            ///< movable: of a dynamic body
+};
+
+/// Bodies of a step, all indexed by slot.
+struct BodyArrays {
+    std::vector<BodyState> states;
+    std::vector<BodyMass> masses;
+    std::vector<Role> roles;
+};
+
+struct ProxySet {
+    std::vector<Proxy> bounded;       ///< boxes in the broadphase
+    std::vector<Proxy> unbounded;     ///< planes: the side list
+    std::vector<FloatAabb> boxes;     ///< of `bounded`, over the predicted motion, relative to `origin`
+    std::vector<ProxyFilter> filters; ///< of `bounded`
+    std::vector<double> motion;       ///< of `bounded`: how far any point may move in the step [m]
+    dvec3 origin{0.0};                ///< of the boxes
+    bool static_boxes_stale = true;   ///< static bodies' boxes must be made anew
+};
+
+/// Predicted motion of a step.
+struct Motion {
+    dvec3 gravity{0.0};
+    double dt = 0.0;
+};
+
+/// Boxes around the predicted motion: v dt along the velocity, |g| dt² + r min(|w| dt, 2) all round.
+/// @return the slots of dynamic bodies whose boxes do not fit into floats: their state is as good as lost.
+void update_swept_bounds(ProxySet& proxies, const BodyArrays& bodies, const Motion& motion, Executor& executor,
+                         std::vector<std::uint32_t>& lost);
+
+/// Joins the broadphase's pairs and the pairs with planes into one list, sorted by key.
+void gather_pairs(const ProxySet& proxies, const BodyArrays& bodies, std::span<const ProxyPair> found,
+                  std::vector<ContactPair>& pairs);
+
+/// Lists the pairs with poses and margins for the narrowphase. The margin is how far the two may close in the step, at most a
+/// quarter of the smaller shape's smallest extent: contacts predicted from farther away would stop bodies that only pass by.
+void list_shape_pairs(const ProxySet& proxies, const BodyArrays& bodies, std::span<const ContactPair> pairs,
+                      Executor& executor, std::vector<ShapePair>& out);
+
+/// @return proxy `index` of a pair: planes are numbered after the bounded ones.
+[[nodiscard]] inline const Proxy& proxy_at(const ProxySet& proxies, std::uint32_t index) noexcept {
+    return index < proxies.bounded.size() ? proxies.bounded[index] : proxies.unbounded[index - proxies.bounded.size()];
+}
+
+}  // namespace carom::dynamics

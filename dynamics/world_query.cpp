@@ -1,0 +1,81 @@
+// Rays, energy, momentum, the hash and the contacts of a world.
+#include <carom/core/check.hpp>
+#include <carom/core/hash.hpp>
+#include <carom/dynamics/detail/integrator.hpp>
+#include <carom/dynamics/detail/world_impl.hpp>
+
+namespace carom {
+
+std::uint64_t World::state_hash() const {
+    StateHash hash;
+    for (const BodyId body : impl_->body_order) {
+        const dynamics::BodyState& state = impl_->arrays.states[body.slot];
+        hash.add(state.pose);
+        hash.add(state.velocity);
+        hash.add(state.spin);
+    }
+    return hash.digest();
+}
+
+Energy World::energy() const {
+    Energy sum;
+    for (const BodyId body : impl_->body_order) {
+        if (impl_->arrays.roles[body.slot] != dynamics::Role::Dynamic) continue;
+        const dynamics::BodyState& state = impl_->arrays.states[body.slot];
+        const dynamics::BodyMass& mass = impl_->arrays.masses[body.slot];
+        sum.kinetic += 0.5 * mass.mass * glm::dot(state.velocity, state.velocity) +
+                       0.5 * glm::dot(state.spin, dynamics::angular_momentum(state, mass));
+        sum.potential -= mass.mass * glm::dot(impl_->def.gravity, state.pose.position);
+    }
+    return sum;
+}
+
+Momentum World::momentum() const {
+    Momentum sum;
+    for (const BodyId body : impl_->body_order) {
+        if (impl_->arrays.roles[body.slot] != dynamics::Role::Dynamic) continue;
+        const dynamics::BodyState& state = impl_->arrays.states[body.slot];
+        const dynamics::BodyMass& mass = impl_->arrays.masses[body.slot];
+        const dvec3 linear = mass.mass * state.velocity;
+        sum.linear += linear;
+        sum.angular += dynamics::angular_momentum(state, mass) + glm::cross(state.pose.position, linear);
+    }
+    return sum;
+}
+
+std::size_t World::contact_count() const noexcept { return impl_->contacts.manifolds.size(); }
+
+ContactView World::contact(std::size_t index) const {
+    CAROM_REQUIRE(index < contact_count(), ErrorCode::InvalidArgument, "no contact of that index", {});
+    const Manifold& manifold = impl_->contacts.manifolds[index];
+    const dynamics::ContactPair& pair = impl_->contacts.pairs[manifold.pair];
+    ContactView view;
+    view.shape_a = {static_cast<std::uint32_t>(pair.key >> 32), static_cast<std::uint32_t>(pair.generations >> 32)};
+    view.shape_b = {static_cast<std::uint32_t>(pair.key), static_cast<std::uint32_t>(pair.generations)};
+    view.body_a = pair.body_a;
+    view.body_b = pair.body_b;
+    view.origin = impl_->shape_pairs[manifold.pair].pose_a.position;
+    view.manifold = &manifold;
+    for (std::size_t k = 0; k < manifold.count; ++k) view.normal_impulse[k] = impl_->contacts.impulses[index][k].normal;
+    return view;
+}
+
+std::optional<WorldRayHit> World::cast_ray(const Ray& ray) const {
+    const Status status = validate(ray);
+    CAROM_REQUIRE(status.ok(), status.error().code, status.error().message, std::nullopt);
+    std::optional<WorldRayHit> best;
+    Ray rest = ray;
+    for (const BodyId body : impl_->body_order) {
+        const Pose pose = impl_->body_pose(body);
+        for (const ShapeId id : impl_->bodies.find(body)->shapes) {
+            const dynamics::ShapeRecord& s = *impl_->shapes.find(id);
+            const std::optional<RayHit> hit = carom::cast_ray(s.shape, pose * s.def.local, rest);
+            if (!hit || (best && hit->distance >= best->hit.distance)) continue;
+            best = WorldRayHit{body, id, *hit};
+            rest.max_distance = hit->distance;
+        }
+    }
+    return best;
+}
+
+}  // namespace carom

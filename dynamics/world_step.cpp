@@ -1,0 +1,124 @@
+// The step, on one page. docs/step.md explains each stage.
+#include <carom/core/check.hpp>
+#include <carom/dynamics/detail/integrator.hpp>
+#include <carom/dynamics/detail/step.hpp>
+#include <carom/dynamics/detail/world_impl.hpp>
+
+#include <utility>
+
+namespace carom {
+
+using dynamics::Role;
+
+namespace {
+
+constexpr std::size_t kBodyGrain = 128;
+
+/// Moves every body that no contact holds, and the kinematic ones, over the whole step at once.
+void integrate_free_bodies(dynamics::BodyArrays& bodies, const dynamics::ContactSolver& solver, bool contacts,
+                           const dynamics::Motion& motion, Executor& executor) {
+    executor.parallel_for(bodies.roles.size(), kBodyGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t slot = begin; slot < end; ++slot) {
+            const Role role = bodies.roles[slot];
+            const bool held = contacts && solver.holds(static_cast<std::uint32_t>(slot));
+            if (role == Role::Kinematic || (role == Role::Dynamic && !held)) {
+                const dvec3 pull = role == Role::Dynamic ? motion.gravity : dvec3{0.0};
+                dynamics::integrate_free(bodies.states[slot], bodies.masses[slot], pull, motion.dt);
+            }
+        }
+    });
+}
+
+void count_contacts(StepReport& report, const dynamics::ContactSet& contacts, const dynamics::ContactSolver& solver) {
+    const dynamics::ContactSummary summary = dynamics::summarise(contacts);
+    report.pairs = contacts.pairs.size();
+    report.manifolds = contacts.manifolds.size();
+    report.contacts = summary.points;
+    report.touching = summary.touching;
+    report.max_penetration = summary.max_penetration;
+    report.mean_penetration = summary.mean_penetration;
+    report.overflow = solver.overflow_count();
+    report.deep = solver.deep_count();
+}
+
+Balance balance_of(const World& world) { return {world.energy(), world.momentum()}; }
+
+Balance operator-(const Balance& after, const Balance& before) {
+    return {{after.energy.kinetic - before.energy.kinetic, after.energy.potential - before.energy.potential},
+            {after.momentum.linear - before.momentum.linear, after.momentum.angular - before.momentum.angular}};
+}
+
+}  // namespace
+
+void World::Impl::quarantine(std::uint32_t slot, StepReport& report) {
+    for (const BodyId id : body_order) {
+        if (id.slot != slot) continue;
+        bodies.find(id)->quarantined = true;
+        report.quarantined.push_back(id);
+    }
+    arrays.states[slot] = last_valid[slot];
+    arrays.states[slot].velocity = dvec3{0.0};
+    arrays.states[slot].spin = dvec3{0.0};
+    arrays.roles[slot] = Role::Absent;
+    proxies_stale = true;
+}
+
+StepReport World::step(double dt) {
+    CAROM_REQUIRE(is_finite(dt), ErrorCode::NotFinite, "dt must be finite", {});
+    CAROM_REQUIRE(dt >= 0.0, ErrorCode::InvalidArgument, "dt must not be negative", {});
+    if (dt == 0.0) return {};
+
+    Impl& w = *impl_;
+    Executor& executor = w.executor();
+    dynamics::Step step(dt);
+    if (w.proxies_stale) w.refresh_proxies();
+    const dynamics::StepChoices choices = w.choices;
+    const dynamics::Motion motion{w.def.gravity, dt};
+    const Balance before = w.def.report_balance ? balance_of(*this) : Balance{};
+    w.last_valid = w.arrays.states;
+    std::swap(w.contacts, w.previous);
+    w.contacts.clear();
+
+    if (choices.contacts) {
+        step.run(Stage::Bounds, [&] {
+            dynamics::update_swept_bounds(w.proxies, w.arrays, motion, executor, w.lost);
+            if (w.lost.empty()) return;
+            for (const std::uint32_t slot : w.lost) w.quarantine(slot, step.report);
+            w.refresh_proxies();
+            dynamics::update_swept_bounds(w.proxies, w.arrays, motion, executor, w.lost);
+        });
+        step.run(Stage::Pairs, [&] {
+            const std::span<const ProxyPair> found = w.broadphase->update(w.proxies.boxes, w.proxies.filters, executor);
+            dynamics::gather_pairs(w.proxies, w.arrays, found, w.contacts.pairs);
+        });
+        step.run(Stage::Collide, [&] {
+            dynamics::list_shape_pairs(w.proxies, w.arrays, w.contacts.pairs, executor, w.shape_pairs);
+            step.report.undecided = collide(w.shape_pairs, executor, w.collide_scratch, w.contacts.manifolds).undecided;
+            dynamics::link_manifolds(w.contacts);
+            dynamics::carry_impulses(w.contacts, w.previous);
+        });
+        step.run(Stage::Prepare, [&] { w.solver.prepare(w.contacts, w.proxies, w.arrays, w.solver_settings(dt), executor); });
+        for (int k = 0; k < w.def.substeps; ++k) {
+            step.run(Stage::Velocities, [&] { w.solver.integrate_velocities(); });
+            step.run(Stage::WarmStart, [&] { w.solver.warm_start(executor); });
+            step.run(Stage::Solve, [&] { w.solver.solve(true, executor); });
+            step.run(Stage::Positions, [&] { w.solver.integrate_positions(executor); });
+            if (w.def.relax) step.run(Stage::Relax, [&] { w.solver.solve(false, executor); });
+        }
+        if (choices.restitution) step.run(Stage::Restitution, [&] { w.solver.restitute(executor); });
+        step.run(Stage::Store, [&] { w.solver.store(w.arrays, w.contacts, executor); });
+        count_contacts(step.report, w.contacts, w.solver);
+    }
+    step.run(Stage::Positions, [&] { integrate_free_bodies(w.arrays, w.solver, choices.contacts, motion, executor); });
+    step.run(Stage::Quarantine, [&] {
+        for (std::uint32_t slot = 0; slot < w.arrays.roles.size(); ++slot) {
+            if (w.arrays.roles[slot] != Role::Absent && !is_finite(w.arrays.states[slot])) w.quarantine(slot, step.report);
+        }
+    });
+
+    step.report.step = ++w.steps;
+    if (w.def.report_balance) step.report.balance = balance_of(*this) - before;
+    return step.finish();
+}
+
+}  // namespace carom
