@@ -17,6 +17,9 @@ function(carom_room name)
   file(CREATE_LINK ${PROJECT_SOURCE_DIR}/${top} ${CAROM_INCLUDE_DIR}/carom/${top} SYMBOLIC)
   list(TRANSFORM headers PREPEND ${CAROM_INCLUDE_DIR}/carom/${room_DIR}/)
 
+  # Packages of headers only that our sources alone use: a project that links an installed room does not need them.
+  list(TRANSFORM room_PRIVATE REPLACE "^(Eigen3::Eigen|nlohmann_json::nlohmann_json)$" "$<BUILD_INTERFACE:\\1>")
+
   add_library(carom_${name} STATIC ${sources})
   add_library(carom::${name} ALIAS carom_${name})
   set_target_properties(carom_${name} PROPERTIES EXPORT_NAME ${name})

@@ -1,0 +1,67 @@
+# The commands of the README. Each installs what is missing (Debian), configures, builds and runs; a second run takes seconds.
+#
+#   make demo            build/release/bin/carom, then out/demo/{report.json,picture.png,frames.pvd}
+#   make test            the whole test-suite
+#   make demo VIZ=OFF    the same without VTK: not installed, not built; no picture and no frames
+#
+# demo, test, bench and peers share build/release, so what one has built the others need not build again.
+VIZ ?= ON
+# Warnings stop the build with the compiler of Debian 12; another compiler may know more of them.
+WERROR ?= $(if $(filter 12 12.%,$(shell c++ -dumpversion)),ON,OFF)
+JOBS ?= $(shell nproc)
+
+# Not `:=`: these look at what the target `setup` may just have installed.
+PACKAGES = base tests $(if $(filter ON,$(VIZ)),viz)
+CONFIGURE = -DCAROM_VIZ=$(VIZ) -DCAROM_WERROR=$(WERROR) \
+            $(if $(shell command -v ccache),-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+PICTURES = $(if $(filter ON,$(VIZ)),--picture out/demo/picture.png --vtk out/demo)
+SOURCES = $(wildcard core collision broadphase narrowphase dynamics viz scenes studies cli bench tests examples)
+
+.PHONY: demo test asan tsan bench peers format tidy clean setup
+.DEFAULT_GOAL := demo
+
+demo: setup
+	@cmake --preset release $(CONFIGURE)
+	@cmake --build --preset release --target carom -j $(JOBS)
+	@mkdir -p out/demo
+	@tools/with_display.sh build/release/bin/carom run teapots --json out/demo/report.json $(PICTURES)
+
+test: setup
+	@cmake --preset release $(CONFIGURE)
+	@cmake --build --preset release --target all all_verify_interface_header_sets -j $(JOBS)
+	@tools/with_display.sh ctest --preset release -j $(JOBS)
+
+# The test-suite under AddressSanitizer with UndefinedBehaviorSanitizer, and under ThreadSanitizer.
+asan: SANITIZED = asan-ubsan
+tsan: SANITIZED = tsan
+asan tsan: setup
+	@cmake --preset $(SANITIZED) $(CONFIGURE) -DCAROM_WERROR=OFF
+	@cmake --build --preset $(SANITIZED) -j $(JOBS)
+	@tools/with_display.sh ctest --preset $(SANITIZED) -j $(JOBS)
+
+bench: PACKAGES += bench
+bench: setup
+	@cmake --preset release $(CONFIGURE) -DCAROM_BENCH=ON
+	@cmake --build --preset release -j $(JOBS)
+	@echo "The benchmarks are build/release/bin/bench_*"
+
+peers: PACKAGES += peers
+peers: setup
+	@cmake --preset release $(CONFIGURE) -DCAROM_PEERS=ON
+	@cmake --build --preset release --target peers -j $(JOBS)
+	@echo "Built build/release/bin/peers; for example: build/release/bin/peers step"
+
+format: PACKAGES = format
+format: setup
+	@find $(SOURCES) \( -name '*.hpp' -o -name '*.cpp' \) -print0 | xargs -0 clang-format-14 -i
+
+tidy: PACKAGES += tidy
+tidy: setup
+	@cmake --preset tidy -DCAROM_VIZ=$(VIZ)
+	@cmake --build --preset tidy -j $(JOBS)
+
+clean:
+	rm -rf build out
+
+setup:
+	@tools/setup.sh $(PACKAGES)

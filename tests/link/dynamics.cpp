@@ -1,0 +1,10 @@
+// carom::dynamics linked alone.
+#include <carom/dynamics/world.hpp>
+
+int main() {
+    carom::World world;
+    const carom::BodyId ball = world.create_body({.position = {0, 5, 0}});
+    world.add_shape(ball, carom::Sphere{0.5f});
+    world.step(1.0 / 60.0);
+    return world.linear_velocity(ball).y < 0.0 ? 0 : 1;
+}
