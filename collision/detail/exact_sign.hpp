@@ -1,0 +1,71 @@
+// Signs of small determinants without rounding error.
+//
+//   double u = difference_of_products(cx, by, cy, bx);   // the sign is exact
+//   int side = orientation_sign({a.x, a.y}, {b.x, b.y}, {c.x, c.y});
+#pragma once
+
+#include <carom/core/types.hpp>
+
+#include <array>
+#include <cstddef>
+
+namespace carom {
+
+/// @return the rounding error of the product `p` = a * b, exactly (Dekker 1971). Needs |a|, |b| < 2^995, and a product
+/// that is zero or above 2^-968.
+[[nodiscard]] inline double product_error(double a, double b, double p) noexcept {
+    constexpr double kSplitter = 0x1p27 + 1.0;
+    const double a_scaled = kSplitter * a;
+    const double a_high = a_scaled - (a_scaled - a);
+    const double a_low = a - a_high;
+    const double b_scaled = kSplitter * b;
+    const double b_high = b_scaled - (b_scaled - b);
+    const double b_low = b - b_high;
+    return a_low * b_low - (((p - a_high * b_high) - a_low * b_high) - a_high * b_low);
+}
+
+/// @return a b - c d with the exact sign, zero only where it is exactly zero; in the range of product_error.
+/// Accuracy: within 1.5 ulp of the larger product. Rounding is monotone, so rounded products that differ are already in the right
+/// order; only equal ones need their errors. Swapping the products negates the result exactly.
+[[nodiscard]] inline double difference_of_products(double a, double b, double c, double d) noexcept {
+    const double p = a * b;
+    const double q = c * d;
+    if (p != q) [[likely]] {
+        return p - q;
+    }
+    return product_error(a, b, p) - product_error(c, d, q);
+}
+
+/// @return the sign of the exact sum of `terms`, by an expansion of non-overlapping parts (Shewchuk 1997, Grow-Expansion).
+template <std::size_t N>
+[[nodiscard]] int sign_of_sum(const std::array<double, N>& terms) noexcept {
+    std::array<double, N> parts{};  // in ascending order of magnitude, zeros anywhere
+    for (std::size_t n = 0; n < N; ++n) {
+        double sum = terms[n];
+        for (std::size_t k = 0; k < n; ++k) {
+            const double x = sum + parts[k];
+            const double part_kept = x - sum;
+            const double error = (sum - (x - part_kept)) + (parts[k] - part_kept);
+            parts[k] = error;
+            sum = x;
+        }
+        parts[n] = sum;
+    }
+    for (std::size_t n = N; n-- > 0;) {
+        if (parts[n] != 0.0) {
+            return parts[n] > 0.0 ? 1 : -1;
+        }
+    }
+    return 0;
+}
+
+/// @return 1 if a, b, c turn counter-clockwise, -1 if clockwise, 0 if they are exactly collinear.
+[[nodiscard]] inline int orientation_sign(const vec2& a, const vec2& b, const vec2& c) noexcept {
+    const dvec2 p(a);
+    const dvec2 q(b);
+    const dvec2 r(c);
+    // Products of two floats are exact in double.
+    return sign_of_sum<6>({p.x * q.y, -(p.y * q.x), q.x * r.y, -(q.y * r.x), r.x * p.y, -(r.y * p.x)});
+}
+
+}  // namespace carom
