@@ -1,0 +1,84 @@
+// What a pair kernel sees and writes: two shapes in the frame of the first, patches of contact out.
+//
+//   CollideStatus sphere_sphere(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+#pragma once
+
+#include <carom/narrowphase/collide.hpp>
+
+#include <array>
+#include <cstdint>
+#include <vector>
+
+namespace carom::detail {
+
+/// One pair as its kernel sees it: everything in the frame of the first shape, in double, so that the distance of the pair from
+/// the world's origin has no influence.
+struct PairFrame {
+    const Shape& first;
+    const Shape& second;
+    dmat3 rotation{1.0};     ///< second's frame to first's
+    dvec3 translation{0.0};  ///< origin of the second in the first's frame [m]
+    double margin = 0.0;     ///< separations up to this are reported [m]
+
+    [[nodiscard]] dvec3 to_first(const dvec3& p) const noexcept { return rotation * p + translation; }
+    [[nodiscard]] dvec3 to_second(const dvec3& p) const noexcept { return (p - translation) * rotation; }
+};
+
+/// A point of contact in double, in the frame of the first shape.
+struct PatchPoint {
+    dvec3 position{0.0};      ///< midway between the surfaces [m]
+    double separation = 0.0;  ///< along the patch's normal [m]
+    std::uint64_t feature = 0;
+};
+
+/// One manifold in double, in the frame of the first shape; normal from first to second.
+struct Patch {
+    dvec3 normal{0.0, 1.0, 0.0};
+    int count = 0;
+    std::array<PatchPoint, kMaxManifoldPoints> points{};
+
+    void add(const dvec3& position, double separation, std::uint64_t feature) noexcept {
+        points[static_cast<std::size_t>(count++)] = {position, separation, feature};
+    }
+};
+
+/// Turns the patches of one pair into manifolds about A's origin along world axes, and undoes the swap of a pair whose kernel
+/// takes its shapes in the other order.
+class ManifoldSink {
+public:
+    ManifoldSink(const ShapePair& pair, bool swapped, std::uint32_t index, std::vector<Manifold>& out) noexcept
+        : pair_(pair), swapped_(swapped), index_(index), out_(out) {}
+
+    void add(const Patch& patch);
+
+private:
+    const ShapePair& pair_;
+    bool swapped_;
+    std::uint32_t index_;
+    std::vector<Manifold>& out_;
+};
+
+struct Workspace;  // detail/workspace.hpp
+
+using Kernel = CollideStatus (*)(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+
+/// The kernel of a pair of types, and whether it takes the second type first. `function` is null where there is none.
+struct KernelEntry {
+    Kernel function = nullptr;
+    bool swapped = false;
+};
+
+/// @return the table's entry for the types of A and B. detail/kernel_table.cpp names them all.
+[[nodiscard]] const KernelEntry& kernel_for(ShapeType a, ShapeType b) noexcept;
+
+/// Runs one pair that has been checked.
+CollideStatus run_pair(const ShapePair& pair, const KernelEntry& entry, std::uint32_t index, Workspace& workspace,
+                       std::vector<Manifold>& out);
+
+/// The shape as what it is known to be.
+template <class T>
+[[nodiscard]] const T& as(const Shape& shape) noexcept {
+    return *std::get_if<T>(&shape);
+}
+
+}  // namespace carom::detail

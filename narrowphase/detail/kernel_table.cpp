@@ -1,0 +1,52 @@
+// Which kernel serves which pair of types. Every pair of which at most one is a plane or a mesh has one.
+#include <carom/narrowphase/detail/kernels.hpp>
+
+namespace carom {
+namespace detail {
+namespace {
+
+struct Row {
+    ShapeType first;
+    ShapeType second;
+    Kernel kernel;
+};
+
+constexpr Row kRows[] = {
+    {ShapeType::Sphere, ShapeType::Sphere, sphere_sphere},
+    {ShapeType::Sphere, ShapeType::Box, sphere_box},
+    {ShapeType::Sphere, ShapeType::Capsule, sphere_capsule},
+    {ShapeType::Sphere, ShapeType::Plane, sphere_plane},
+    {ShapeType::Box, ShapeType::Box, box_box},
+    {ShapeType::Box, ShapeType::Plane, box_plane},
+    {ShapeType::Capsule, ShapeType::Capsule, capsule_capsule},
+    {ShapeType::Capsule, ShapeType::Plane, capsule_plane},
+};
+
+struct Table {
+    KernelEntry entries[kShapeTypeCount][kShapeTypeCount];
+};
+
+constexpr Table make_table() {
+    Table table{};
+    for (const Row& row : kRows) {
+        const auto a = static_cast<std::size_t>(row.first);
+        const auto b = static_cast<std::size_t>(row.second);
+        table.entries[b][a] = {row.kernel, true};
+        table.entries[a][b] = {row.kernel, false};
+    }
+    return table;
+}
+
+constexpr Table kTable = make_table();
+
+}  // namespace
+
+const KernelEntry& kernel_for(ShapeType a, ShapeType b) noexcept {
+    return kTable.entries[static_cast<std::size_t>(a)][static_cast<std::size_t>(b)];
+}
+
+}  // namespace detail
+
+bool can_collide(ShapeType a, ShapeType b) noexcept { return detail::kernel_for(a, b).function != nullptr; }
+
+}  // namespace carom

@@ -1,0 +1,18 @@
+// The pair kernels. Each takes its shapes in the order of its name; detail/kernel_table.cpp says which pair uses which.
+#pragma once
+
+#include <carom/narrowphase/detail/kernel.hpp>
+
+namespace carom::detail {
+
+CollideStatus sphere_sphere(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+CollideStatus sphere_box(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+CollideStatus sphere_capsule(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+CollideStatus sphere_plane(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+CollideStatus box_box(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+CollideStatus box_plane(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+CollideStatus capsule_capsule(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+CollideStatus capsule_plane(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+CollideStatus capsule_box(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+
+}  // namespace carom::detail

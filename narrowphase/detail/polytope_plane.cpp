@@ -1,0 +1,50 @@
+// Box and hull against a half-space: the corners below it.
+#include <carom/core/math.hpp>
+#include <carom/narrowphase/detail/box_face.hpp>
+#include <carom/narrowphase/detail/kernels.hpp>
+#include <carom/narrowphase/detail/plane_form.hpp>
+#include <carom/narrowphase/detail/reduce.hpp>
+#include <carom/narrowphase/detail/tolerances.hpp>
+
+namespace carom::detail {
+namespace {
+
+Candidate corner_on_plane(const dvec3& corner, std::uint32_t vertex, const PlaneForm& plane, const dvec3& axis_u,
+                          const dvec3& axis_w) noexcept {
+    const double distance = plane.distance(corner);
+    return {corner - (0.5 * distance) * plane.normal, distance, glm::dot(corner, axis_u), glm::dot(corner, axis_w),
+            feature_name(FeatureKind::VertexOfFirst, vertex, 0)};
+}
+
+void emit(std::span<const Candidate> candidates, double size, const PlaneForm& plane, ManifoldSink& sink) {
+    std::array<int, kMaxManifoldPoints> chosen{};
+    const int count = reduce_points(candidates, kPointTolerance * size, chosen);
+    if (count == 0) return;
+    Patch patch;
+    patch.normal = -plane.normal;
+    for (int i = 0; i < count; ++i) {
+        const Candidate& c = candidates[static_cast<std::size_t>(chosen[static_cast<std::size_t>(i)])];
+        patch.add(c.position, c.separation, c.feature);
+    }
+    sink.add(patch);
+}
+
+}  // namespace
+
+CollideStatus box_plane(const PairFrame& pair, Workspace&, ManifoldSink& sink) {
+    const dvec3 half(as<Box>(pair.first).half_extents);
+    const PlaneForm plane = plane_in_first(pair);
+    const dvec3 axis_u = any_perpendicular(plane.normal);
+    const dvec3 axis_w = glm::cross(axis_u, plane.normal);
+    std::array<Candidate, 8> candidates;
+    std::size_t count = 0;
+    for (int i = 0; i < 8; ++i) {
+        const dvec3 corner{i & 1 ? half.x : -half.x, i & 2 ? half.y : -half.y, i & 4 ? half.z : -half.z};
+        candidates[count] = corner_on_plane(corner, static_cast<std::uint32_t>(i), plane, axis_u, axis_w);
+        if (candidates[count].separation <= pair.margin) ++count;
+    }
+    emit({candidates.data(), count}, std::max({half.x, half.y, half.z}), plane, sink);
+    return CollideStatus::Ok;
+}
+
+}  // namespace carom::detail

@@ -1,0 +1,32 @@
+// The tolerances of the pair kernels, all relative, with the reason for each.
+#pragma once
+
+namespace carom::detail {
+
+/// Sine of the angle between two edges below which their cross product is no axis. Leaving it out costs at most this times the
+/// size in depth (the face axes decide up to the tilt); using it would amplify rounding by its inverse. 1e-7 keeps both below
+/// 1e-6 of the size: 1e-7 and 4 * 2.2e-16 / 1e-7.
+inline constexpr double kParallelSine = 1e-7;
+
+/// An edge axis wins over a face axis only if it separates better by this share of the size: the accuracy that `collide` states. So
+/// rounding never turns a face contact into an edge contact.
+inline constexpr double kFacePreference = 1e-6;
+
+/// Points outside a polygon by this share of the size count as inside, so that no corner is lost between two half-open tests.
+inline constexpr double kInsideTolerance = 1e-9;
+
+/// Points of a patch this close to each other, as a share of the size, are one point; depths that differ by less are equal.
+inline constexpr double kPointTolerance = 1e-6;
+
+/// A point bears the name of a corner within this share of the shortest side of the faces.
+inline constexpr double kSnap = 0.02;
+
+/// An edge contact takes the points of the two faces as well where both face the normal to within acos(0.9) = 26 degrees. Beyond,
+/// they fall away from it so steeply that none would be within reach.
+inline constexpr double kFacingCosine = 0.9;
+
+/// Capsules whose axes enclose an angle of at most this sine touch along a line: two points. Halves of length h and radius r then
+/// curve apart between the points by at most (0.03 h)^2 / (4 r), which the points do not show.
+inline constexpr double kAlongSine = 0.03;
+
+}  // namespace carom::detail
