@@ -1,0 +1,74 @@
+// Impulses follow their features from step to step, and only those.
+#include <carom/dynamics/detail/contact_set.hpp>
+
+#include <gtest/gtest.h>
+
+namespace carom::dynamics {
+namespace {
+
+Manifold manifold_of(std::uint32_t pair, std::initializer_list<std::uint64_t> features) {
+    Manifold m;
+    m.pair = pair;
+    for (const std::uint64_t f : features) m.points[m.count++].feature = f;
+    return m;
+}
+
+ContactSet set_of(std::initializer_list<std::uint64_t> keys, std::vector<Manifold> manifolds) {
+    ContactSet set;
+    for (const std::uint64_t key : keys) {
+        ContactPair pair;
+        pair.key = key;
+        pair.generations = 7;
+        set.pairs.push_back(pair);
+    }
+    set.manifolds = std::move(manifolds);
+    link_manifolds(set);
+    set.impulses.resize(set.manifolds.size());
+    return set;
+}
+
+TEST(ContactSet, ManifoldsAreLinkedToTheirPairs) {
+    const ContactSet set = set_of({1, 2, 3}, {manifold_of(0, {1}), manifold_of(2, {1}), manifold_of(2, {2})});
+    EXPECT_EQ(set.pairs[0].manifold_count, 1u);
+    EXPECT_EQ(set.pairs[1].manifold_count, 0u);
+    EXPECT_EQ(set.pairs[2].first_manifold, 1u);
+    EXPECT_EQ(set.pairs[2].manifold_count, 2u);
+}
+
+TEST(ContactSet, ImpulsesFollowTheFeatureWithinThePair) {
+    ContactSet before = set_of({10, 20}, {manifold_of(0, {5, 6}), manifold_of(1, {5})});
+    before.impulses[0][1].normal = 3.0f;
+    before.impulses[0][1].friction = {1.0f, 2.0f, 3.0f};
+    before.impulses[1][0].normal = 9.0f;
+    ContactSet now = set_of({10, 15, 20}, {manifold_of(0, {6, 7}), manifold_of(1, {5}), manifold_of(2, {4, 5})});
+    carry_impulses(now, before);
+    EXPECT_EQ(now.impulses[0][0].normal, 3.0f);
+    EXPECT_EQ(now.impulses[0][0].friction, vec3(1.0f, 2.0f, 3.0f));
+    EXPECT_EQ(now.impulses[0][1].normal, 0.0f) << "a new feature starts from nothing";
+    EXPECT_EQ(now.impulses[1][0].normal, 0.0f) << "a new pair starts from nothing";
+    EXPECT_EQ(now.impulses[2][1].normal, 9.0f);
+}
+
+TEST(ContactSet, AnotherGenerationIsAnotherPair) {
+    ContactSet before = set_of({10}, {manifold_of(0, {5})});
+    before.impulses[0][0].normal = 3.0f;
+    ContactSet now = set_of({10}, {manifold_of(0, {5})});
+    now.pairs[0].generations = 8;
+    carry_impulses(now, before);
+    EXPECT_EQ(now.impulses[0][0].normal, 0.0f);
+}
+
+TEST(ContactSet, SummaryCountsOverlapsOnly) {
+    ContactSet set = set_of({1}, {manifold_of(0, {1, 2, 3})});
+    set.manifolds[0].points[0].separation = -0.5f;
+    set.manifolds[0].points[1].separation = 0.25f;
+    set.manifolds[0].points[2].separation = -0.25f;
+    const ContactSummary s = summarise(set);
+    EXPECT_EQ(s.points, 3u);
+    EXPECT_EQ(s.touching, 2u);
+    EXPECT_EQ(s.max_penetration, 0.5);
+    EXPECT_EQ(s.mean_penetration, 0.375);
+}
+
+}  // namespace
+}  // namespace carom::dynamics
