@@ -1,0 +1,112 @@
+// The demo: teapot hulls, boxes, spheres and capsules fall round a big teapot on hilly ground with a rim.
+#include <carom/scenes/detail/recipe.hpp>
+
+#include <carom/collision/convex_hull.hpp>
+#include <carom/collision/teapot.hpp>
+#include <carom/collision/terrain.hpp>
+#include <carom/collision/triangle_mesh.hpp>
+
+#include <algorithm>
+#include <utility>
+
+namespace carom::scenes::detail {
+namespace {
+
+constexpr double kBigTeapot = 6.0;      // from handle to spout [m]
+constexpr double kSmallTeapot = 0.9;
+constexpr double kPitch = 1.3;          // between neighbours and between layers [m]
+constexpr int kAcross = 12;             // bodies along each side of a layer
+constexpr double kFirstLayer = 6.0;     // [m]; the teapot's lid is below 5 m
+
+TerrainSettings hills(std::uint64_t seed) {
+    return {.level = 6, .spacing = 0.5, .roughness = 0.5, .height = 0.8, .seed = seed, .rim = true};
+}
+
+/// @return the lowest point of the ground under the teapot's base, so that no gap is seen.
+double seat_height(const MeshData& ground) {
+    double lowest = 1e9;
+    for (const vec3& v : ground.vertices) {
+        if (v.x * v.x + v.z * v.z < 2.25f) lowest = std::min(lowest, static_cast<double>(v.y));
+    }
+    return lowest;
+}
+
+Result<ConvexHullPtr> small_teapot() {
+    const Result<MeshData> pot = teapot(kSmallTeapot, 0.04 * kSmallTeapot);
+    if (!pot) return pot.error();
+    std::vector<vec3> points = pot->vertices;
+    for (vec3& p : points) p.y -= 0.25f * static_cast<float>(kSmallTeapot);  // about its middle
+    return ConvexHull::build(points);
+}
+
+/// Adds ground and teapot. @return the box of the ground.
+Result<Aabb> add_landscape(World& world, std::uint64_t seed) {
+    const MeshData ground = diamond_square(hills(seed));
+    Result<TriangleMeshPtr> ground_mesh = TriangleMesh::build(ground.vertices, ground.triangles);
+    if (!ground_mesh) return ground_mesh.error();
+    const Result<MeshData> pot = teapot(kBigTeapot, 0.002 * kBigTeapot);
+    if (!pot) return pot.error();
+    Result<TriangleMeshPtr> pot_mesh = TriangleMesh::build(pot->vertices, pot->triangles);
+    if (!pot_mesh) return pot_mesh.error();
+    const Aabb box = (*ground_mesh)->local_bounds();
+    add_body(world, {.type = BodyType::Static, .name = "ground"}, *std::move(ground_mesh));
+    add_body(world, {.type = BodyType::Static, .position = {0.0, seat_height(ground), 0.0}, .name = "teapot"},
+             *std::move(pot_mesh));
+    return box;
+}
+
+Shape draw_shape(Random& random, int i, const ConvexHullPtr& pot) {
+    switch (i % 4) {
+        case 0: return pot;
+        case 1: {
+            dvec3 half{0.0};
+            for (int axis = 0; axis < 3; ++axis) half[axis] = random.range(0.2, 0.4);
+            return Box{vec3(half)};
+        }
+        case 2: return Sphere{static_cast<float>(random.range(0.2, 0.4))};
+        default: {
+            const double radius = random.range(0.15, 0.25);
+            return Capsule{static_cast<float>(radius), static_cast<float>(random.range(0.15, 0.3))};
+        }
+    }
+}
+
+Result<SceneRun> build_teapots(const Request& request) {
+    const Result<ConvexHullPtr> pot = small_teapot();
+    if (!pot) return pot.error();
+    SceneRun run{.name = "teapots", .seed = request.seed, .world = World(request.world_def())};
+    run.steps = 600;
+    const Result<Aabb> ground = add_landscape(run.world, request.seed);
+    if (!ground) return ground.error();
+    const int per_layer = kAcross * kAcross;
+    run.domain = *ground;
+    run.domain.lower.y -= 0.5;
+    run.domain.upper.y = kFirstLayer + kPitch * (request.bodies / per_layer + 1) + 10.0;
+
+    Random random(request.seed);
+    for (int i = 0; i < request.bodies; ++i) {
+        const int cell = i % per_layer;
+        BodyDef body;
+        body.position = {(cell % kAcross - (kAcross - 1) / 2.0) * kPitch, kFirstLayer + kPitch * (i / per_layer),
+                         (cell / kAcross - (kAcross - 1) / 2.0) * kPitch};
+        Shape shape = draw_shape(random, i, *pot);
+        draw_yaw_and_spin(random, body);
+        add_body(run.world, body, std::move(shape));
+    }
+    return run;
+}
+
+}  // namespace
+
+Recipe teapots_recipe() {
+    return {.info = {.name = "teapots",
+                     .summary = "teapots, boxes, spheres and capsules fall round a big teapot on hilly ground",
+                     .bodies = 300,
+                     .steps = 600,
+                     .parameters = {}},
+            .seed = 1975,
+            .most_bodies = 20'000,
+            .build = build_teapots};
+}
+
+}  // namespace carom::scenes::detail
