@@ -26,10 +26,10 @@
 //   #endif
 //
 // Rules. Keep everything that touches lanes between HWY_BEFORE_NAMESPACE and HWY_AFTER_NAMESPACE, in carom::HWY_NAMESPACE.
-// HWY_EXPORT must stand in namespace carom itself (it names N_AVX2::scale and so on). Inline and template functions of
-// ordinary headers that are called from there are compiled with wide instructions and merged by the linker with everybody
-// else's: call only always-inlined or trivial ones. Dispatch costs a table look-up and an indirect call: once a batch, not
-// once a bundle.
+// HWY_EXPORT must stand in namespace carom or one inside it that also holds the kernels' HWY_NAMESPACE (it names
+// N_AVX2::scale and so on). Include every header before HWY_BEFORE_NAMESPACE: an inline function that is first seen after it
+// may be compiled with wide instructions, and the linker may give that copy to everybody. Write `(!a) & b` with the brackets,
+// or GCC warns. Dispatch costs a table look-up and an indirect call: once a batch, not once a bundle.
 //
 // Results have the same bits as scalar code at every width: there is no fused multiply-add, no approximate reciprocal and
 // no sum across lanes. NaN is NaN at every width, but its sign and payload are unspecified. Denormals are honoured.

@@ -14,14 +14,19 @@ struct SinCos {
     double cos = 1.0;
 };
 
-/// Sine and cosine of `x` [rad] over the whole range of double.
-/// NaN and infinities give NaN for both.
+/// Sine and cosine of `x` [rad] over the whole range of double, without a library call.
+/// NaN and infinities give NaN for both; sin(-0) is -0.
+/// Accuracy: error at most 0.85 ulp each over the whole range, near multiples of pi/2 too (tests/core/math_test.cpp has
+/// the worst seen). Monotony is not promised. Cost: about 15 ns; twice that from |x| = 2^20 on.
+/// Sources: Cody and Waite (1980) for |x| < 2^20, Payne and Hanek (SIGNUM 1983) beyond; Taylor's series.
 [[nodiscard]] SinCos sin_cos(double x) noexcept;
 
-/// @return the unit quaternion that rotates by |rotation| [rad] about `rotation`; the identity for zero.
+/// @return the unit quaternion that rotates by |rotation| [rad] about `rotation`; the identity for zero. Every component
+/// keeps its relative accuracy (a few ulp) however tiny the rotation. NaN or infinity in any component gives
+/// a result that is not finite.
 [[nodiscard]] dquat rotation_from_vector(const dvec3& rotation) noexcept;
 
-/// @return the unit quaternion that rotates by `angle` [rad] about the unit vector `axis`.
+/// @return the unit quaternion that rotates by `angle` [rad] about the unit vector `axis`, as unit as the axis is.
 [[nodiscard]] dquat rotation_about(const dvec3& axis, double angle) noexcept;
 
 /// Any unit vector at a right angle to the unit vector `n`; the same for the same bits of n.

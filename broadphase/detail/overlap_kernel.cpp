@@ -1,0 +1,116 @@
+#include <carom/core/simd_targets.hpp>
+
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE <carom/broadphase/detail/overlap_kernel.cpp>
+#include <hwy/foreach_target.h>
+
+#include <carom/broadphase/detail/overlap_kernel.hpp>
+#include <carom/core/lanes.hpp>
+
+HWY_BEFORE_NAMESPACE();
+namespace carom::detail::HWY_NAMESPACE {
+namespace {
+
+using namespace carom::HWY_NAMESPACE;
+
+// Writes the pairs of box i with the lanes of `hit`. @return how many.
+std::size_t write_pairs(Tag index, Ints tags, Mask hit, std::uint64_t* to) {
+    alignas(64) std::int32_t others[16];
+    const std::size_t count = compress_store(tags & Ints{static_cast<std::int32_t>(kIndexMask)}, hit, others);
+    for (std::size_t k = 0; k < count; ++k) {
+        const auto other = static_cast<Tag>(others[k]);
+        const Tag a = index < other ? index : other;
+        const Tag b = index < other ? other : index;
+        to[k] = (static_cast<std::uint64_t>(a) << 32) | b;
+    }
+    return count;
+}
+
+template <bool sorted>
+void overlaps_of_range(const Entries& e, std::size_t begin, std::size_t end, std::size_t last, PairBuffer& out) {
+    const float* const lower0 = e.lower[0].data();
+    const float* const upper0 = e.upper[0].data();
+    const float* const lower1 = e.lower[1].data();
+    const float* const upper1 = e.upper[1].data();
+    const float* const lower2 = e.lower[2].data();
+    const float* const upper2 = e.upper[2].data();
+    const std::int32_t* const tag = e.tag.data();
+    const Ints barred{static_cast<std::int32_t>(kNotHome | kImmovable)};
+    for (std::size_t i = begin; i < end; ++i) {
+        const Floats my_lower0 = lower0[i], my_lower1 = lower1[i], my_lower2 = lower2[i];
+        const Floats my_upper0 = upper0[i], my_upper1 = upper1[i], my_upper2 = upper2[i];
+        const Ints my_tag = tag[i];
+        for (std::size_t j = i + 1; sorted || j < last; j += kLanes) {
+            const Mask begun = load_unaligned(lower0 + j) <= my_upper0;
+            Mask hit = begun & (load_unaligned(lower1 + j) <= my_upper1) & (load_unaligned(upper1 + j) >= my_lower1) &
+                       (load_unaligned(lower2 + j) <= my_upper2) & (load_unaligned(upper2 + j) >= my_lower2);
+            if constexpr (!sorted) hit = hit & (load_unaligned(upper0 + j) >= my_lower0);
+            if (any(hit)) {
+                const Ints tags = load_unaligned(tag + j);
+                hit = hit & ((tags & my_tag & barred) == Ints{0});
+                out.added(write_pairs(static_cast<Tag>(tag[i]) & kIndexMask, tags, hit, out.room_for(kLanes)));
+            }
+            if (sorted && !all(begun)) break;
+        }
+    }
+}
+
+void overlaps_sorted(const Entries& e, std::size_t begin, std::size_t end, std::size_t last, PairBuffer& out) {
+    overlaps_of_range<true>(e, begin, end, last, out);
+}
+void overlaps_any(const Entries& e, std::size_t begin, std::size_t end, std::size_t last, PairBuffer& out) {
+    overlaps_of_range<false>(e, begin, end, last, out);
+}
+
+}  // namespace
+}  // namespace carom::detail::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+
+#include <limits>
+
+namespace carom::detail {
+
+HWY_EXPORT(overlaps_sorted);
+HWY_EXPORT(overlaps_any);
+
+void find_overlaps(const Entries& entries, std::size_t begin, std::size_t end, std::size_t last, Order order,
+                   PairBuffer& out) {
+    if (order == Order::Sorted) {
+        HWY_DYNAMIC_DISPATCH(overlaps_sorted)(entries, begin, end, last, out);
+    } else {
+        HWY_DYNAMIC_DISPATCH(overlaps_any)(entries, begin, end, last, out);
+    }
+}
+
+void Entries::grow(std::size_t size) {
+    if (tag.size() >= size) return;
+    size += size / 4;  // sizes drift from step to step
+    for (int k = 0; k < 3; ++k) {
+        lower[k].resize(size);
+        upper[k].resize(size);
+    }
+    tag.resize(size);
+}
+
+void Entries::close(std::size_t end) noexcept {
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    for (std::size_t i = end; i < end + kSentinels; ++i) {
+        for (int k = 0; k < 3; ++k) {
+            lower[k][i] = kInfinity;
+            upper[k][i] = -kInfinity;
+        }
+        tag[i] = 0;
+    }
+}
+
+void PairBuffer::grow(std::size_t count) {
+    const std::size_t doubled = 2 * keys_.size();
+    const std::size_t needed = count_ + count;
+    keys_.resize(doubled > needed ? doubled : needed);
+}
+
+}  // namespace carom::detail
+
+#endif  // HWY_ONCE

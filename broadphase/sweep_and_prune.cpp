@@ -1,0 +1,204 @@
+// Sweep and prune in strips: boxes sorted along one axis, cut into strips along a second, swept many at once.
+//
+// Along the axis on which the centres spread most the boxes are sorted by their lower ends; a sweep then tests each box
+// against those that begin before it ends (Baraff 1992; Ericson, Real-Time Collision Detection, 2005, sec. 7.5). One axis
+// alone leaves hundreds of candidates a box in a pile, so the second axis is cut into strips, and a box is listed in each
+// strip that it touches. A pair is reported in the first strip that both touch, which is the first one of one of them.
+#include <carom/broadphase/detail/methods.hpp>
+#include <carom/broadphase/detail/overlap_kernel.hpp>
+#include <carom/broadphase/detail/pair_list.hpp>
+#include <carom/core/check.hpp>
+#include <carom/core/radix_sort.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace carom::detail {
+namespace {
+
+// Strips are this many mean box edges wide: at most n / kStripEdges boxes are then listed again.
+constexpr double kStripEdges = 2.0;
+// Fewer boxes a strip than this would be mostly sentinels.
+constexpr std::size_t kBoxesAStrip = 64;
+constexpr std::size_t kEntriesAPiece = 512;
+
+// How the centres lie on one axis.
+struct Spread {
+    double mean = 0.0;
+    double variance = 0.0;
+    double mean_edge = 0.0;
+};
+
+Spread spread(std::span<const FloatAabb> bounds, int axis) noexcept {
+    const auto n = static_cast<double>(bounds.size());
+    const double origin = bounds[0].lower[axis];  // keeps the squares small
+    double sum = 0.0, squares = 0.0, edges = 0.0;
+    for (const FloatAabb& box : bounds) {
+        const double lower = box.lower[axis], upper = box.upper[axis];
+        const double centre = 0.5 * (lower + upper) - origin;
+        sum += centre;
+        squares += centre * centre;
+        edges += upper - lower;
+    }
+    const double mean = sum / n;
+    return {origin + mean, squares / n - mean * mean, edges / n};
+}
+
+// Cuts an axis into strips; the outermost ones are open.
+class Strips {
+public:
+    Strips() = default;
+    Strips(const Spread& s, std::size_t boxes) noexcept {
+        // Three standard deviations hold all of any even distribution; a stray box far away costs nothing.
+        const double reach = 3.0 * std::sqrt(std::max(s.variance, 0.0));
+        const double width = kStripEdges * s.mean_edge;
+        const double most = static_cast<double>(std::max<std::size_t>(boxes / kBoxesAStrip, 1));
+        const double wanted = width > 0.0 ? 2.0 * reach / width : (reach > 0.0 ? most : 1.0);
+        const double count = std::floor(std::min(std::max(wanted, 1.0), most));
+        count_ = static_cast<std::size_t>(count);
+        last_ = count - 1.0;
+        origin_ = s.mean - reach;
+        per_metre_ = reach > 0.0 ? count / (2.0 * reach) : 0.0;
+    }
+    [[nodiscard]] std::size_t count() const noexcept { return count_; }
+    /// Never decreases as x grows, so boxes that overlap share a strip.
+    [[nodiscard]] std::uint32_t of(float x) const noexcept {
+        const double strip = (static_cast<double>(x) - origin_) * per_metre_;
+        return static_cast<std::uint32_t>(std::min(std::max(strip, 0.0), last_));
+    }
+
+private:
+    std::size_t count_ = 1;
+    double last_ = 0.0;
+    double origin_ = 0.0;
+    double per_metre_ = 0.0;
+};
+
+class SweepAndPrune final : public Broadphase {
+public:
+    [[nodiscard]] BroadphaseMethod method() const noexcept override { return BroadphaseMethod::SweepAndPrune; }
+
+    std::span<const ProxyPair> update(std::span<const FloatAabb> bounds, std::span<const ProxyFilter> filters,
+                                      Executor& executor) override {
+        const char* const fault = find_fault(bounds, filters);
+        CAROM_REQUIRE(fault == nullptr, ErrorCode::InvalidArgument, fault, list_.pairs());
+        std::size_t end = 0;
+        if (!bounds.empty()) {
+            choose_axes(bounds);
+            sort_along_axis(bounds);
+            end = list_in_strips(bounds, filters);
+        }
+        const std::size_t pieces = (end + kEntriesAPiece - 1) / kEntriesAPiece;
+        list_.begin(pieces);
+        executor.parallel_for(pieces, 1, [&](std::size_t first, std::size_t last) {
+            for (std::size_t k = first; k < last; ++k) {
+                find_overlaps(entries_, k * kEntriesAPiece, std::min((k + 1) * kEntriesAPiece, end), end, Order::Sorted,
+                              list_.piece(k));
+            }
+        });
+        list_.finish(filters);
+        return list_.pairs();
+    }
+
+private:
+    void choose_axes(std::span<const FloatAabb> bounds);
+    void sort_along_axis(std::span<const FloatAabb> bounds);
+    bool mend_order();
+    std::size_t list_in_strips(std::span<const FloatAabb> bounds, std::span<const ProxyFilter> filters);
+
+    int axes_[3] = {0, 1, 2};          // swept, cut into strips, left
+    Strips strips_;
+    std::vector<std::uint64_t> keys_;  // (ordered lower end << 32) | box, ascending after the sort
+    std::vector<std::uint64_t> sort_keys_;
+    std::vector<std::uint32_t> order_;
+    RadixScratch scratch_;
+    std::vector<std::uint32_t> first_strip_, last_strip_;
+    std::vector<std::size_t> next_;    // where each strip's next entry goes
+    Entries entries_;
+    PairList list_;
+};
+
+void SweepAndPrune::choose_axes(std::span<const FloatAabb> bounds) {
+    const Spread s[3] = {spread(bounds, 0), spread(bounds, 1), spread(bounds, 2)};
+    int axes[3] = {0, 1, 2};
+    const auto swap_if_narrower = [&](int i, int j) {
+        if (s[axes[i]].variance < s[axes[j]].variance) std::swap(axes[i], axes[j]);
+    };
+    swap_if_narrower(0, 1);
+    swap_if_narrower(1, 2);
+    swap_if_narrower(0, 1);
+    for (int k = 0; k < 3; ++k) axes_[k] = axes[k];
+    strips_ = Strips(s[axes_[1]], bounds.size());
+}
+
+// The order of the step before is nearly right in most scenes; the order that results does not depend on it.
+void SweepAndPrune::sort_along_axis(std::span<const FloatAabb> bounds) {
+    const std::size_t n = bounds.size();
+    const int axis = axes_[0];
+    if (order_.size() == n) {
+        for (std::size_t i = 0; i < n; ++i) {
+            keys_[i] = (std::uint64_t{ordered_key(bounds[order_[i]].lower[axis])} << 32) | order_[i];
+        }
+        if (mend_order()) {
+            for (std::size_t i = 0; i < n; ++i) order_[i] = static_cast<std::uint32_t>(keys_[i]);
+            return;
+        }
+    }
+    keys_.resize(n);
+    order_.resize(n);
+    sort_keys_.resize(n);
+    for (std::size_t i = 0; i < n; ++i) {
+        sort_keys_[i] = ordered_key(bounds[i].lower[axis]);
+        order_[i] = static_cast<std::uint32_t>(i);
+    }
+    radix_sort(sort_keys_, order_, scratch_);
+}
+
+// Insertion sort, given up where a radix sort would be faster. @return whether it came to an end.
+bool SweepAndPrune::mend_order() {
+    std::size_t moves = 4 * keys_.size();
+    for (std::size_t i = 1; i < keys_.size(); ++i) {
+        const std::uint64_t key = keys_[i];
+        std::size_t place = i;
+        for (; place > 0 && keys_[place - 1] > key; --place) {
+            if (moves-- == 0) return false;
+            keys_[place] = keys_[place - 1];
+        }
+        keys_[place] = key;
+    }
+    return true;
+}
+
+// @return the end of the last strip.
+std::size_t SweepAndPrune::list_in_strips(std::span<const FloatAabb> bounds, std::span<const ProxyFilter> filters) {
+    const std::size_t n = bounds.size();
+    first_strip_.resize(n);
+    last_strip_.resize(n);
+    next_.assign(strips_.count() + 1, 0);
+    for (std::size_t i = 0; i < n; ++i) {
+        first_strip_[i] = strips_.of(bounds[i].lower[axes_[1]]);
+        last_strip_[i] = strips_.of(bounds[i].upper[axes_[1]]);
+        for (std::uint32_t s = first_strip_[i]; s <= last_strip_[i]; ++s) ++next_[s];
+    }
+    std::size_t end = 0;
+    for (std::size_t s = 0; s < strips_.count(); ++s) end += std::exchange(next_[s], end) + Entries::kSentinels;
+    entries_.grow(end);
+    for (const std::uint32_t box : order_) {
+        Tag tag = box | (filters[box].movable ? 0 : kImmovable);
+        for (std::uint32_t s = first_strip_[box]; s <= last_strip_[box]; ++s) {
+            entries_.set(next_[s]++, bounds[box], axes_, tag);
+            tag |= kNotHome;
+        }
+    }
+    for (std::size_t s = 0; s < strips_.count(); ++s) entries_.close(next_[s]);
+    return end;
+}
+
+}  // namespace
+
+std::unique_ptr<Broadphase> make_sweep_and_prune() { return std::make_unique<SweepAndPrune>(); }
+
+}  // namespace carom::detail
