@@ -197,7 +197,7 @@ TEST(Bezier, TrianglesStayWithinTheChordError) {
             const Result<MeshData> mesh = tessellate(std::span(&patch, 1), {.chord_error = chord_error});
             ASSERT_TRUE(mesh) << mesh.error().message;
             // Vertices are rounded to float; coordinates are below 4.
-            EXPECT_LT(worst_distance(patch, *mesh, 60), chord_error + 4.0 * 1e-7) << "patch " << n;
+            EXPECT_LT(worst_distance(patch, *mesh, 40), chord_error + 4.0 * 1e-7) << "patch " << n;
         }
     }
 }
