@@ -101,6 +101,8 @@ class CheckLayers(unittest.TestCase):
         self.assert_refused("bench/CMakeLists.txt", "target_link_libraries(b PRIVATE carom::viz_vtk)\n", "viz/vtk")
         self.assert_refused("core/CMakeLists.txt", "carom_room(core PUBLIC carom::attic)\n", "attic")
         self.assert_refused("viz/CMakeLists.txt", "carom_room(viz PUBLIC carom::dynamics VTK::CommonCore)\n", "VTK")
+        self.assert_refused("cli/CMakeLists.txt", "find_package(VTK 9.1 REQUIRED)\n", "VTK")
+        self.assert_fine("viz/vtk/CMakeLists.txt", "find_package(VTK 9.1)\ncarom_room(viz_vtk PRIVATE ${VTK_LIBRARIES})\n")
 
 
 if __name__ == "__main__":
