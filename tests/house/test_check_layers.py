@@ -43,6 +43,7 @@ class CheckLayers(unittest.TestCase):
             ("cli/view.cpp", "viz/vtk/view.hpp"),
             ("tests/narrowphase/gjk.cpp", "narrowphase/detail/simplex.hpp"),
             ("tests/viz/view.cpp", "viz/vtk/detail/scene.hpp"),
+            ("tests/viz_vtk/view.cpp", "viz/vtk/detail/scene.hpp"),
             ("tests/dynamics/stack.cpp", "scenes/scene.hpp"),
             ("core/tbb/tbb_executor.cpp", "core/executor.hpp"),
         ]:
