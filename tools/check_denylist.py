@@ -32,7 +32,7 @@ STEP_CODE = [
     (r"\b(?:Neg)?Mul(?:Add|Sub)\w*\s*\(", "fuses where it can: use Mul and Add"),
     (r"\b_mm\d*_\w*(?:fn?m(?:add|sub)|rcp|rsqrt)\w*", "fuses or approximates: bits differ between machines"),
     (r"\bApproximateReciprocal\w*", "approximates: bits differ between machines"),
-    (r"\bs?rand(?:om)?(?:_r)?\s*\(|\bstd\s*::\s*(?:random\w*|mt19937\w*|minstd\w*|default_random_engine|\w+_distribution)\b",
+    (r"\bs?rand(?:_r)?\s*\(|\b[dlm]rand48\b|\bstd\s*::\s*(?:random\w*|mt19937\w*|minstd\w*|default_random_engine|\w+_distribution)\b",
      "not the same numbers everywhere: core/random.hpp"),
 ]
 BUILD_FILES = [

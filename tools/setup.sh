@@ -13,7 +13,7 @@ packages_of() {
                    "libtbb-dev libfmt-dev nlohmann-json3-dev libcli11-dev" ;;
         tests) echo "libgtest-dev libgmock-dev libboost-dev libqhull-dev" ;;
         # VTK draws through X and OpenGL: Xvfb is the display, Mesa's llvmpipe the graphics card, xauth is what xvfb-run needs.
-        viz) echo "libvtk9-dev xvfb xauth libgl1-mesa-dri libglx-mesa0" ;;
+        viz) echo "libvtk9-dev libx11-dev xvfb xauth libgl1-mesa-dri libglx-mesa0" ;;
         bench) echo "libbenchmark-dev" ;;
         peers) echo "libbullet-dev libode-dev" ;;
         format) echo "clang-format-14" ;;

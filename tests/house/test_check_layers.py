@@ -43,6 +43,7 @@ class CheckLayers(unittest.TestCase):
             ("cli/view.cpp", "viz/vtk/view.hpp"),
             ("tests/narrowphase/gjk.cpp", "narrowphase/detail/simplex.hpp"),
             ("tests/viz/view.cpp", "viz/vtk/detail/scene.hpp"),
+            ("tests/viz_vtk/view.cpp", "viz/vtk/detail/scene.hpp"),
             ("tests/dynamics/stack.cpp", "scenes/scene.hpp"),
             ("core/tbb/tbb_executor.cpp", "core/executor.hpp"),
         ]:
@@ -101,6 +102,8 @@ class CheckLayers(unittest.TestCase):
         self.assert_refused("bench/CMakeLists.txt", "target_link_libraries(b PRIVATE carom::viz_vtk)\n", "viz/vtk")
         self.assert_refused("core/CMakeLists.txt", "carom_room(core PUBLIC carom::attic)\n", "attic")
         self.assert_refused("viz/CMakeLists.txt", "carom_room(viz PUBLIC carom::dynamics VTK::CommonCore)\n", "VTK")
+        self.assert_refused("cli/CMakeLists.txt", "find_package(VTK 9.1 REQUIRED)\n", "VTK")
+        self.assert_fine("viz/vtk/CMakeLists.txt", "find_package(VTK 9.1)\ncarom_room(viz_vtk PRIVATE ${VTK_LIBRARIES})\n")
 
 
 if __name__ == "__main__":
