@@ -123,6 +123,8 @@ SceneRun read_root(const Node& root, const std::string& path, const SceneOptions
         const FileBody body = read_body(element(bodies, i));
         const BodyId id = run.world.create_body(body.def);
         for (const FileShape& shape : body.shapes) run.world.add_shape(id, shape.shape, shape.def);
+        // Shapes move the centre of mass, and with it the point whose velocity the file gives.
+        if (body.def.type == BodyType::Dynamic) run.world.set_linear_velocity(id, body.def.linear_velocity);
     }
     return run;
 }

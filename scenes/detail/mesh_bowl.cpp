@@ -1,16 +1,16 @@
 // Boxes and hulls fall into a hilly bowl made of one big triangle mesh.
 #include <carom/scenes/detail/recipe.hpp>
 
+#include <carom/collision/terrain.hpp>
 #include <carom/collision/triangle_mesh.hpp>
 #include <carom/core/math.hpp>
 
-#include <cstdint>
 #include <utility>
 
 namespace carom::scenes::detail {
 namespace {
 
-constexpr std::uint32_t kQuads = 128;
+constexpr int kQuads = 128;                           // along each side
 constexpr double kQuad = 0.5;                         // edge of a quad [m]
 constexpr double kHalf = kQuads * kQuad / 2.0;        // the mesh covers |x|, |z| <= kHalf [m]
 constexpr int kAcross = 20;                           // bodies along each side of a layer
@@ -22,26 +22,8 @@ double height(double x, double z) {
 }
 
 Result<TriangleMeshPtr> bowl() {
-    const std::uint32_t side = kQuads + 1;
-    std::vector<vec3> vertices;
-    vertices.reserve(side * side);
-    for (std::uint32_t i = 0; i < side; ++i) {
-        for (std::uint32_t j = 0; j < side; ++j) {
-            const double x = i * kQuad - kHalf;
-            const double z = j * kQuad - kHalf;
-            vertices.push_back(vec3(dvec3{x, height(x, z), z}));
-        }
-    }
-    std::vector<TriangleMesh::Triangle> triangles;
-    triangles.reserve(2 * kQuads * kQuads);
-    const auto at = [&](std::uint32_t i, std::uint32_t j) { return i * side + j; };
-    for (std::uint32_t i = 0; i < kQuads; ++i) {
-        for (std::uint32_t j = 0; j < kQuads; ++j) {
-            triangles.push_back({at(i, j), at(i, j + 1), at(i + 1, j + 1)});
-            triangles.push_back({at(i, j), at(i + 1, j + 1), at(i + 1, j)});
-        }
-    }
-    return TriangleMesh::build(vertices, triangles);
+    const MeshData grid = height_grid(kQuads, kQuads, kQuad, height);
+    return TriangleMesh::build(grid.vertices, grid.triangles);
 }
 
 Result<SceneRun> build_mesh_bowl(const Request& request) {

@@ -20,6 +20,8 @@ ShapeDef scene_matter() { return {.density = 1000.0, .friction = 0.6f, .restitut
 BodyId add_body(World& world, const BodyDef& body, Shape shape, const ShapeDef& matter) {
     const BodyId id = world.create_body(body);
     world.add_shape(id, std::move(shape), matter);
+    // A shape whose centre of mass is off its origin changed the velocity of that centre when it was added.
+    if (body.type == BodyType::Dynamic) world.set_linear_velocity(id, body.linear_velocity);
     return id;
 }
 

@@ -51,7 +51,7 @@ struct Recipe {
 /// Adds a static box.
 BodyId add_static_box(World& world, const dvec3& center, const dvec3& half_extents, const char* name);
 
-/// Adds a body with one shape.
+/// Adds a body with one shape; `body.linear_velocity` is that of the centre of mass.
 BodyId add_body(World& world, const BodyDef& body, Shape shape, const ShapeDef& matter = scene_matter());
 
 /// Floor and four walls, 1 m thick, round the space |x|, |z| <= half_width, y from 0 to `height`.

@@ -1,0 +1,253 @@
+// Scene files: what they say is what is built, and whatever is wrong with them is named.
+#include "support.hpp"
+
+#include <carom/collision/convex_hull.hpp>
+#include <carom/collision/triangle_mesh.hpp>
+
+#include <filesystem>
+#include <fstream>
+
+namespace carom::test {
+namespace {
+
+using scenes::read_scene;
+using scenes::SceneRun;
+
+const std::string kExamples = std::string(CAROM_TEST_DATA) + "/../scenes/examples/";
+
+class ReadScene : public testing::Test {
+protected:
+    void SetUp() override {
+        folder_ = std::filesystem::temp_directory_path() /
+                  ("carom_read_scene_" + std::string(testing::UnitTest::GetInstance()->current_test_info()->name()));
+        std::filesystem::create_directories(folder_);
+    }
+    void TearDown() override { std::filesystem::remove_all(folder_); }
+
+    [[nodiscard]] std::string path() const { return (folder_ / "scene.json").string(); }
+
+    Result<SceneRun> read(const std::string& text) {
+        std::ofstream(path(), std::ios::binary) << text;
+        return read_scene(path());
+    }
+
+    /// Reads a scene with one body, of the members `body`.
+    Result<SceneRun> read_body(const std::string& body) { return read("{\"bodies\": [\n{" + body + "}\n]}"); }
+    /// Reads a scene with one dynamic body of one shape, of the members `shape`.
+    Result<SceneRun> read_shape(const std::string& shape, const std::string& type = "dynamic") {
+        return read_body("\"type\": \"" + type + "\", \"shapes\": [\n{" + shape + "}]");
+    }
+
+    void expect_error(const Result<SceneRun>& result, ErrorCode code, const std::string& place) {
+        ASSERT_FALSE(result.has_value()) << place;
+        EXPECT_EQ(result.error().code, code) << result.error().where << ": " << result.error().message;
+        EXPECT_EQ(result.error().where, path() + place) << result.error().message;
+        EXPECT_FALSE(result.error().message.empty());
+    }
+
+    std::filesystem::path folder_;
+};
+
+TEST_F(ReadScene, BuildsWhatTheFileSays) {
+    Result<SceneRun> run = read_scene(kExamples + "crates.json");
+    ASSERT_TRUE(run.has_value()) << run.error().where << ": " << run.error().message;
+    const World& world = run->world;
+    EXPECT_EQ(run->name, "crates");
+    EXPECT_EQ(run->steps, 240);
+    EXPECT_EQ(run->domain, (Aabb{{-10, -1, -10}, {10, 20, 10}}));
+    ASSERT_EQ(world.body_count(), 5u);
+    const auto bodies = world.bodies();
+    EXPECT_EQ(world.type(bodies[0]), BodyType::Static);
+    EXPECT_EQ(std::get<Plane>(first_shape(world, bodies[0])), (Plane{{0, 1, 0}, 0}));
+    EXPECT_EQ(world.name(bodies[2]), "turned crate");
+    EXPECT_EQ(std::get<Box>(first_shape(world, bodies[2])).half_extents, vec3(0.4f));
+    EXPECT_NEAR(world.pose(bodies[2]).orientation.y, std::sin(0.25), 1e-15);
+    EXPECT_NEAR(world.mass_properties(bodies[1]).mass, 500.0, 1e-9);
+    EXPECT_EQ(world.linear_velocity(bodies[3]), dvec3(-1, 0, 0));
+    EXPECT_EQ(world.angular_velocity(bodies[3]), dvec3(0, 0, 1));
+    EXPECT_EQ(world.shape_def(world.shapes(bodies[3])[0]).restitution, 0.4f);
+    ASSERT_EQ(world.shapes(bodies[4]).size(), 2u);
+    EXPECT_EQ(world.shape_def(world.shapes(bodies[4])[1]).local.position, dvec3(0, 0.6, 0));
+    step(*run, 60);
+    EXPECT_EQ(scenes::count_escaped(run->world, run->domain), 0);
+}
+
+TEST_F(ReadScene, BuildsMeshesAndHullsFromPointsAndGenerators) {
+    Result<SceneRun> run = read_scene(kExamples + "teapot_hill.json");
+    ASSERT_TRUE(run.has_value()) << run.error().where << ": " << run.error().message;
+    const World& world = run->world;
+    const auto bodies = world.bodies();
+    EXPECT_EQ(std::get<TriangleMeshPtr>(first_shape(world, bodies[0]))->triangles().size(), 2u * 32u * 32u);
+    EXPECT_NEAR(std::get<TriangleMeshPtr>(first_shape(world, bodies[1]))->local_bounds().upper.y, 1.47, 0.05);
+    EXPECT_GT(std::get<ConvexHullPtr>(first_shape(world, bodies[2]))->vertices().size(), 20u);
+    EXPECT_EQ(std::get<ConvexHullPtr>(first_shape(world, bodies[3]))->faces().size(), 5u);
+    step(*run, 120);
+    EXPECT_EQ(scenes::count_escaped(run->world, run->domain), 0);
+}
+
+TEST_F(ReadScene, TakesAMeshWrittenOut) {
+    const Result<SceneRun> run = read_shape(
+        R"("type": "triangle_mesh", "vertices": [[0,0,0],[0,0,1],[1,0,0]], "triangles": [[0,1,2]])", "static");
+    ASSERT_TRUE(run.has_value()) << run.error().message;
+    const World& world = run->world;
+    EXPECT_EQ(std::get<TriangleMeshPtr>(first_shape(world, world.bodies()[0]))->triangles().size(), 1u);
+    EXPECT_EQ(run->name, "scene");  // the file's own name, where it says none
+    EXPECT_EQ(run->dt, 1.0 / 60.0);
+}
+
+TEST_F(ReadScene, SubstepsComeFromTheUserThenTheFileThenTheSettings) {
+    std::ofstream(path()) << R"({"substeps": 6, "bodies": []})";
+    EXPECT_EQ(read_scene(path())->world.settings().substeps, 6);
+    EXPECT_EQ(read_scene(path(), {.substeps = 9})->world.settings().substeps, 9);
+    std::ofstream(path()) << R"({"bodies": []})";
+    EXPECT_EQ(read_scene(path(), {.world = {.substeps = 3}})->world.settings().substeps, 3);
+}
+
+TEST_F(ReadScene, GivesTheVelocityOfTheCentreOfMass) {
+    const Result<SceneRun> run =
+        read_body(R"("linear_velocity": [1,2,3], "angular_velocity": [0,0,5],
+                     "shapes": [{"type": "sphere", "radius": 0.5, "position": [2, 0, 0]}])");
+    ASSERT_TRUE(run.has_value()) << run.error().message;
+    EXPECT_EQ(run->world.linear_velocity(run->world.bodies()[0]), dvec3(1, 2, 3));
+}
+
+TEST_F(ReadScene, NamesTheFileThatCannotBeRead) {
+    const Result<SceneRun> missing = read_scene(path());
+    expect_error(missing, ErrorCode::Io, "");
+    const Result<SceneRun> folder = read_scene(folder_.string());
+    ASSERT_FALSE(folder.has_value());
+    EXPECT_EQ(folder.error().code, ErrorCode::Io);
+    const Result<SceneRun> empty_path = read_scene("");
+    ASSERT_FALSE(empty_path.has_value());
+    EXPECT_EQ(empty_path.error().code, ErrorCode::Io);
+}
+
+TEST_F(ReadScene, RefusesAHugeFileWithoutReadingIt) {
+    std::ofstream(path()) << "{}";
+    std::filesystem::resize_file(path(), std::uintmax_t{4} << 30u);  // sparse
+    expect_error(read_scene(path()), ErrorCode::Io, "");
+}
+
+TEST_F(ReadScene, NamesTheLineWhereTheTextIsNotJson) {
+    expect_error(read(""), ErrorCode::Parse, ":1");
+    expect_error(read("{\n\"bodies\": [\n}\n"), ErrorCode::Parse, ":3");
+    expect_error(read("{\"bodies\": []}\n\nrest"), ErrorCode::Parse, ":3");
+    expect_error(read("{\"dt\": 1,\n\"dt\": 2, \"bodies\": []}"), ErrorCode::Parse, ":2");
+    expect_error(read("{\"dt\":\n NaN, \"bodies\": []}"), ErrorCode::Parse, ":2");
+    expect_error(read("{\"dt\":\n 1e999, \"bodies\": []}"), ErrorCode::Parse, ":2");
+    expect_error(read("{\"name\": \"\xff\"}"), ErrorCode::Parse, ":1");
+    expect_error(read(std::string("{\"name\": \"\0\"}", 13)), ErrorCode::Parse, ":1");
+}
+
+TEST_F(ReadScene, SurvivesDeepNesting) {
+    expect_error(read(std::string(1'000'000, '[')), ErrorCode::Parse, ":1");
+    std::string objects;
+    for (int i = 0; i < 100'000; ++i) objects += "{\"a\":\n";
+    expect_error(read(objects), ErrorCode::Parse, ":33");
+}
+
+TEST_F(ReadScene, RefusesFarTooManyValues) {
+    std::string text = "[0";
+    for (int i = 0; i < 4'100'000; ++i) text += ",0";
+    expect_error(read(text + "]"), ErrorCode::Parse, ":1");
+}
+
+TEST_F(ReadScene, NamesKeysOfTheRoot) {
+    expect_error(read("[]"), ErrorCode::WrongType, ":1");
+    expect_error(read("{}"), ErrorCode::Empty, ":1");
+    expect_error(read("{\"bodies\": 3}"), ErrorCode::WrongType, ":1: bodies");
+    expect_error(read("{\"bodies\": [],\n\"gravitiy\": [0,0,0]}"), ErrorCode::UnknownName, ":2: gravitiy");
+    expect_error(read("{\"bodies\": [], \"gravity\": [0,0]}"), ErrorCode::WrongType, ":1: gravity");
+    expect_error(read("{\"bodies\": [], \"gravity\": [0,\n\"1\",0]}"), ErrorCode::WrongType, ":2: gravity[1]");
+    expect_error(read("{\"bodies\": [], \"dt\": 0}"), ErrorCode::InvalidArgument, ":1: dt");
+    expect_error(read("{\"bodies\": [], \"dt\": -1}"), ErrorCode::InvalidArgument, ":1: dt");
+    expect_error(read("{\"bodies\": [], \"dt\": \"1\"}"), ErrorCode::WrongType, ":1: dt");
+    expect_error(read("{\"bodies\": [], \"steps\": -1}"), ErrorCode::InvalidArgument, ":1: steps");
+    expect_error(read("{\"bodies\": [], \"steps\": 1.5}"), ErrorCode::WrongType, ":1: steps");
+    expect_error(read("{\"bodies\": [], \"substeps\": 0}"), ErrorCode::InvalidArgument, ":1: substeps");
+    expect_error(read("{\"bodies\": [], \"name\": null}"), ErrorCode::WrongType, ":1: name");
+    expect_error(read(R"({"bodies": [], "domain": {"lower": [0,0,0], "upper": [1,-1,1]}})"), ErrorCode::InvalidArgument, ":1: domain");
+    expect_error(read(R"({"bodies": [], "domain": {"lower": [0,0,0]}})"), ErrorCode::Empty, ":1: domain");
+}
+
+TEST_F(ReadScene, NamesKeysOfBodies) {
+    const std::string shapes = R"("shapes": [{"type": "sphere", "radius": 1}])";
+    expect_error(read("{\"bodies\": [4]}"), ErrorCode::WrongType, ":1: bodies[0]");
+    expect_error(read_body(""), ErrorCode::Empty, ":2: bodies[0]");
+    expect_error(read_body("\"shapes\": []"), ErrorCode::Empty, ":2: bodies[0].shapes");
+    expect_error(read_body(shapes + ", \"mass\": 3"), ErrorCode::UnknownName, ":2: bodies[0].mass");
+    expect_error(read_body(shapes + ", \"type\": \"rigid\""), ErrorCode::UnknownName, ":2: bodies[0].type");
+    expect_error(read_body(shapes + ", \"type\": 1"), ErrorCode::WrongType, ":2: bodies[0].type");
+    expect_error(read_body(shapes + ", \"position\": {}"), ErrorCode::WrongType, ":2: bodies[0].position");
+    expect_error(read_body(shapes + ", \"orientation\": [1,0,0]"), ErrorCode::WrongType, ":2: bodies[0].orientation");
+    expect_error(read_body(shapes + ", \"orientation\": [2,0,0,0]"), ErrorCode::InvalidArgument, ":2: bodies[0].orientation");
+    expect_error(read_body(shapes + ", \"orientation\": [0,0,0,0]"), ErrorCode::InvalidArgument, ":2: bodies[0].orientation");
+    expect_error(read_body(shapes + R"(, "orientation": {"axis": [0,0,0], "angle": 1})"), ErrorCode::InvalidArgument,
+                 ":2: bodies[0].orientation.axis");
+    expect_error(read_body(shapes + R"(, "orientation": {"axis": [0,1,0]})"), ErrorCode::Empty, ":2: bodies[0].orientation");
+    expect_error(read_body(shapes + R"(, "type": "static", "linear_velocity": [1,0,0])"), ErrorCode::InvalidArgument,
+                 ":2: bodies[0].linear_velocity");
+    expect_error(read("{\"bodies\": [{" + shapes + "},\n{" + shapes + "},\n{\"shapes\": [{}]}]}"), ErrorCode::Empty,
+                 ":3: bodies[2].shapes[0]");
+}
+
+TEST_F(ReadScene, NamesKeysOfShapes) {
+    const std::string at = ":3: bodies[0].shapes[0]";
+    expect_error(read_shape(R"("type": "ball")"), ErrorCode::UnknownName, at + ".type");
+    expect_error(read_shape(R"("type": "sphere")"), ErrorCode::Empty, at);
+    expect_error(read_shape(R"("type": "sphere", "radius": 0)"), ErrorCode::InvalidArgument, at + ".radius");
+    expect_error(read_shape(R"("type": "sphere", "radius": -1)"), ErrorCode::InvalidArgument, at + ".radius");
+    expect_error(read_shape(R"("type": "sphere", "radius": 1e-300)"), ErrorCode::InvalidArgument, at + ".radius");
+    expect_error(read_shape(R"("type": "sphere", "radius": 1e300)"), ErrorCode::InvalidArgument, at + ".radius");
+    expect_error(read_shape(R"("type": "sphere", "radius": true)"), ErrorCode::WrongType, at + ".radius");
+    expect_error(read_shape(R"("type": "sphere", "radius": 1, "half_segment": 1)"), ErrorCode::UnknownName, at + ".half_segment");
+    expect_error(read_shape(R"("type": "box", "half_extents": [1,0,1])"), ErrorCode::InvalidArgument, at + ".half_extents[1]");
+    expect_error(read_shape(R"("type": "box", "half_extents": [1,1,1,1])"), ErrorCode::WrongType, at + ".half_extents");
+    expect_error(read_shape(R"("type": "capsule", "radius": 1, "half_segment": -1)"), ErrorCode::InvalidArgument, at + ".half_segment");
+    expect_error(read_shape(R"("type": "plane", "normal": [0,0,0])", "static"), ErrorCode::InvalidArgument, at + ".normal");
+    expect_error(read_shape(R"("type": "plane", "normal": [0,1,0])"), ErrorCode::WrongType, at);
+    const std::string sphere = R"("type": "sphere", "radius": 1, )";
+    expect_error(read_shape(sphere + R"("density": 0)"), ErrorCode::InvalidArgument, at + ".density");
+    expect_error(read_shape(sphere + R"("friction": -0.1)"), ErrorCode::InvalidArgument, at + ".friction");
+    expect_error(read_shape(sphere + R"("restitution": 1.1)"), ErrorCode::InvalidArgument, at + ".restitution");
+    expect_error(read_shape(sphere + R"("density": 1e308)"), ErrorCode::NotFinite, at);
+}
+
+TEST_F(ReadScene, NamesKeysOfHullsAndMeshes) {
+    const std::string at = ":3: bodies[0].shapes[0]";
+    expect_error(read_shape(R"("type": "convex_hull", "points": [])"), ErrorCode::Empty, at + ".points");
+    expect_error(read_shape(R"("type": "convex_hull", "points": [[0,0,0],[1,0,0],[0,1,0],[1,1,0]])"), ErrorCode::Degenerate, at + ".points");
+    expect_error(read_shape(R"("type": "convex_hull", "points": [[0,0,0],[1,0]])"), ErrorCode::WrongType, at + ".points[1]");
+    expect_error(read_shape(R"("type": "convex_hull", "generate": "bunny")"), ErrorCode::UnknownName, at + ".generate");
+    expect_error(read_shape(R"("type": "triangle_mesh", "generate": "teapot", "size": 1)"), ErrorCode::WrongType, at);
+    const std::string mesh = R"("type": "triangle_mesh", )";
+    expect_error(read_shape(mesh + R"("generate": "bunny")", "static"), ErrorCode::UnknownName, at + ".generate");
+    expect_error(read_shape(mesh + R"("generate": "teapot")", "static"), ErrorCode::Empty, at);
+    expect_error(read_shape(mesh + R"("generate": "teapot", "size": 1, "chord_error": 1e-9)", "static"), ErrorCode::InvalidArgument,
+                 at + ".chord_error");
+    expect_error(read_shape(mesh + R"("generate": "terrain", "level": 40)", "static"), ErrorCode::InvalidArgument, at + ".level");
+    expect_error(read_shape(mesh + R"("generate": "terrain", "roughness": 2)", "static"), ErrorCode::InvalidArgument, at + ".roughness");
+    expect_error(read_shape(mesh + R"("generate": "terrain", "points": [])", "static"), ErrorCode::UnknownName, at + ".points");
+    expect_error(read_shape(mesh + R"("vertices": [[0,0,0],[1,0,0],[0,1,0]], "triangles": [])", "static"), ErrorCode::Empty, at);
+    expect_error(read_shape(mesh + R"("vertices": [[0,0,0],[1,0,0],[0,1,0]], "triangles": [[0,1,3]])", "static"),
+                 ErrorCode::InvalidArgument, at + ".triangles[0][2]");
+    expect_error(read_shape(mesh + R"("vertices": [[0,0,0],[1,0,0],[0,1,0]], "triangles": [[0,1,0.5]])", "static"),
+                 ErrorCode::WrongType, at + ".triangles[0][2]");
+    expect_error(read_shape(mesh + R"("vertices": [[0,0,0],[1,0,0],[0,1,0]], "triangles": [[0,1]])", "static"),
+                 ErrorCode::WrongType, at + ".triangles[0]");
+}
+
+TEST_F(ReadScene, RefusesOptionsThatAFileDoesNotHave) {
+    const Result<SceneRun> bodies = read_scene(kExamples + "crates.json", {.bodies = 3});
+    ASSERT_FALSE(bodies.has_value());
+    EXPECT_EQ(bodies.error().where, "bodies");
+    const Result<SceneRun> set = read_scene(kExamples + "crates.json", {.set = {{"ratio", "3"}}});
+    ASSERT_FALSE(set.has_value());
+    EXPECT_EQ(set.error().code, ErrorCode::UnknownName);
+    const Result<SceneRun> substeps = read_scene(kExamples + "crates.json", {.substeps = -1});
+    ASSERT_FALSE(substeps.has_value());
+    EXPECT_EQ(substeps.error().where, "substeps");
+}
+
+}  // namespace
+}  // namespace carom::test
