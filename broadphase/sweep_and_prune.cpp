@@ -1,9 +1,9 @@
-// Sweep and prune in strips: boxes sorted along one axis, cut into strips along a second, swept many at once.
+// Sweep and prune in cells: boxes sorted along one axis, dealt out to cells of the other two, swept many at once.
 //
 // Along the axis on which the centres spread most the boxes are sorted by their lower ends; a sweep then tests each box
 // against those that begin before it ends (Baraff 1992; Ericson, Real-Time Collision Detection, 2005, sec. 7.5). One axis
-// alone leaves hundreds of candidates a box in a pile, so the second axis is cut into strips, and a box is listed in each
-// strip that it touches. A pair is reported in the first strip that both touch, which is the first one of one of them.
+// alone leaves hundreds of candidates a box in a pile, so the other two are cut into strips, and a box is listed in each
+// cell that it touches. A pair is reported in the first cell that both touch: on each axis, the first strip of one of them.
 #include <carom/broadphase/detail/methods.hpp>
 #include <carom/broadphase/detail/overlap_kernel.hpp>
 #include <carom/broadphase/detail/pair_list.hpp>
@@ -19,17 +19,18 @@
 namespace carom::detail {
 namespace {
 
-// Strips are this many mean box edges wide: at most n / kStripEdges boxes are then listed again.
+// Strips are this many box edges wide, in the root mean square. With that n boxes of any sizes make at most
+// n (1 + 1/2 + 1/2 + 1/4) entries in cells, the last term by Cauchy and Schwarz, and the open outer strips only save some.
 constexpr double kStripEdges = 2.0;
-// Fewer boxes a strip than this would be mostly sentinels.
-constexpr std::size_t kBoxesAStrip = 64;
+// Fewer boxes a cell than this would be mostly sentinels.
+constexpr double kBoxesACell = 16.0;
 constexpr std::size_t kEntriesAPiece = 512;
 
 // How the centres lie on one axis.
 struct Spread {
     double mean = 0.0;
     double variance = 0.0;
-    double mean_edge = 0.0;
+    double edge = 0.0;  // root mean square
 };
 
 Spread spread(std::span<const FloatAabb> bounds, int axis) noexcept {
@@ -41,27 +42,27 @@ Spread spread(std::span<const FloatAabb> bounds, int axis) noexcept {
         const double centre = 0.5 * (lower + upper) - origin;
         sum += centre;
         squares += centre * centre;
-        edges += upper - lower;
+        edges += (upper - lower) * (upper - lower);
     }
     const double mean = sum / n;
-    return {origin + mean, squares / n - mean * mean, edges / n};
+    return {origin + mean, squares / n - mean * mean, std::sqrt(edges / n)};
 }
 
 // Cuts an axis into strips; the outermost ones are open.
 class Strips {
 public:
     Strips() = default;
-    Strips(const Spread& s, std::size_t boxes) noexcept {
-        // Three standard deviations hold all of any even distribution; a stray box far away costs nothing.
-        const double reach = 3.0 * std::sqrt(std::max(s.variance, 0.0));
-        const double width = kStripEdges * s.mean_edge;
-        const double most = static_cast<double>(std::max<std::size_t>(boxes / kBoxesAStrip, 1));
-        const double wanted = width > 0.0 ? 2.0 * reach / width : (reach > 0.0 ? most : 1.0);
-        const double count = std::floor(std::min(std::max(wanted, 1.0), most));
+    /// @param most  how many strips at most, >= 1.
+    Strips(const Spread& s, double most) noexcept {
+        const double count = std::floor(std::min(std::max(wanted(s), 1.0), most));
         count_ = static_cast<std::size_t>(count);
         last_ = count - 1.0;
-        origin_ = s.mean - reach;
-        per_metre_ = reach > 0.0 ? count / (2.0 * reach) : 0.0;
+        origin_ = s.mean - reach(s);
+        per_metre_ = reach(s) > 0.0 ? count / (2.0 * reach(s)) : 0.0;
+    }
+    /// How many strips there would be without a limit.
+    static double wanted(const Spread& s) noexcept {
+        return reach(s) > 0.0 ? 2.0 * reach(s) / std::max(kStripEdges * s.edge, 1e-9 * reach(s)) : 1.0;
     }
     [[nodiscard]] std::size_t count() const noexcept { return count_; }
     /// Never decreases as x grows, so boxes that overlap share a strip.
@@ -71,10 +72,19 @@ public:
     }
 
 private:
+    // Half the stretch that is cut up: a little more than an even distribution's. A stray box far away costs nothing.
+    static double reach(const Spread& s) noexcept { return 2.0 * std::sqrt(std::max(s.variance, 0.0)); }
+
     std::size_t count_ = 1;
     double last_ = 0.0;
     double origin_ = 0.0;
     double per_metre_ = 0.0;
+};
+
+// The cells that a box touches: these strips of the two axes, the last ones included.
+struct CellRange {
+    std::uint32_t first[2];
+    std::uint32_t last[2];
 };
 
 class SweepAndPrune final : public Broadphase {
@@ -89,7 +99,7 @@ public:
         if (!bounds.empty()) {
             choose_axes(bounds);
             sort_along_axis(bounds);
-            end = list_in_strips(bounds, filters);
+            end = list_in_cells(bounds, filters);
         }
         const std::size_t pieces = (end + kEntriesAPiece - 1) / kEntriesAPiece;
         list_.begin(pieces);
@@ -107,16 +117,16 @@ private:
     void choose_axes(std::span<const FloatAabb> bounds);
     void sort_along_axis(std::span<const FloatAabb> bounds);
     bool mend_order();
-    std::size_t list_in_strips(std::span<const FloatAabb> bounds, std::span<const ProxyFilter> filters);
+    std::size_t list_in_cells(std::span<const FloatAabb> bounds, std::span<const ProxyFilter> filters);
 
-    int axes_[3] = {0, 1, 2};          // swept, cut into strips, left
-    Strips strips_;
+    int axes_[3] = {0, 1, 2};          // swept, and the two that are cut
+    Strips strips_[2];                 // of axes_[1] and axes_[2]
     std::vector<std::uint64_t> keys_;  // (ordered lower end << 32) | box, ascending after the sort
     std::vector<std::uint64_t> sort_keys_;
     std::vector<std::uint32_t> order_;
     RadixScratch scratch_;
-    std::vector<std::uint32_t> first_strip_, last_strip_;
-    std::vector<std::size_t> next_;    // where each strip's next entry goes
+    std::vector<CellRange> cells_;     // of each box
+    std::vector<std::size_t> next_;    // where each cell's next entry goes
     Entries entries_;
     PairList list_;
 };
@@ -131,7 +141,12 @@ void SweepAndPrune::choose_axes(std::span<const FloatAabb> bounds) {
     swap_if_narrower(1, 2);
     swap_if_narrower(0, 1);
     for (int k = 0; k < 3; ++k) axes_[k] = axes[k];
-    strips_ = Strips(s[axes_[1]], bounds.size());
+    const Spread &s1 = s[axes[1]], &s2 = s[axes[2]];
+    const double most = std::max(static_cast<double>(bounds.size()) / kBoxesACell, 1.0);
+    const double wanted1 = std::max(Strips::wanted(s1), 1.0), wanted2 = std::max(Strips::wanted(s2), 1.0);
+    const double scale = std::sqrt(std::min(most / (wanted1 * wanted2), 1.0));  // where memory says no, both give way alike
+    strips_[0] = Strips(s1, std::max(wanted1 * scale, 1.0));
+    strips_[1] = Strips(s2, std::max(most / static_cast<double>(strips_[0].count()), 1.0));
 }
 
 // The order of the step before is nearly right in most scenes; the order that results does not depend on it.
@@ -172,28 +187,37 @@ bool SweepAndPrune::mend_order() {
     return true;
 }
 
-// @return the end of the last strip.
-std::size_t SweepAndPrune::list_in_strips(std::span<const FloatAabb> bounds, std::span<const ProxyFilter> filters) {
+// @return the end of the last cell's entries.
+std::size_t SweepAndPrune::list_in_cells(std::span<const FloatAabb> bounds, std::span<const ProxyFilter> filters) {
     const std::size_t n = bounds.size();
-    first_strip_.resize(n);
-    last_strip_.resize(n);
-    next_.assign(strips_.count() + 1, 0);
+    const std::size_t columns = strips_[1].count(), cells = strips_[0].count() * columns;
+    cells_.resize(n);
+    next_.assign(cells, 0);
     for (std::size_t i = 0; i < n; ++i) {
-        first_strip_[i] = strips_.of(bounds[i].lower[axes_[1]]);
-        last_strip_[i] = strips_.of(bounds[i].upper[axes_[1]]);
-        for (std::uint32_t s = first_strip_[i]; s <= last_strip_[i]; ++s) ++next_[s];
-    }
-    std::size_t end = 0;
-    for (std::size_t s = 0; s < strips_.count(); ++s) end += std::exchange(next_[s], end) + Entries::kSentinels;
-    entries_.grow(end);
-    for (const std::uint32_t box : order_) {
-        Tag tag = box | (filters[box].movable ? 0 : kImmovable);
-        for (std::uint32_t s = first_strip_[box]; s <= last_strip_[box]; ++s) {
-            entries_.set(next_[s]++, bounds[box], axes_, tag);
-            tag |= kNotHome;
+        CellRange& range = cells_[i];
+        for (int k = 0; k < 2; ++k) {
+            range.first[k] = strips_[k].of(bounds[i].lower[axes_[k + 1]]);
+            range.last[k] = strips_[k].of(bounds[i].upper[axes_[k + 1]]);
+        }
+        for (std::size_t r = range.first[0]; r <= range.last[0]; ++r) {
+            for (std::size_t c = range.first[1]; c <= range.last[1]; ++c) ++next_[r * columns + c];
         }
     }
-    for (std::size_t s = 0; s < strips_.count(); ++s) entries_.close(next_[s]);
+    std::size_t end = 0;
+    for (std::size_t& next : next_) end += std::exchange(next, end) + Entries::kSentinels;
+    entries_.grow(end);
+    for (const std::uint32_t box : order_) {
+        const CellRange range = cells_[box];
+        const Tag tag = box | (filters[box].movable ? 0 : kImmovable);
+        for (std::size_t r = range.first[0]; r <= range.last[0]; ++r) {
+            const Tag row_tag = tag | (r == range.first[0] ? 0 : kNotHome1);
+            for (std::size_t c = range.first[1]; c <= range.last[1]; ++c) {
+                const Tag cell_tag = row_tag | (c == range.first[1] ? 0 : kNotHome2);
+                entries_.set(next_[r * columns + c]++, bounds[box], axes_, cell_tag);
+            }
+        }
+    }
+    for (const std::size_t next : next_) entries_.close(next);
     return end;
 }
 

@@ -46,6 +46,8 @@
 #include <carom/core/simd_targets.hpp>
 #endif
 
+#include <carom/core/compress_table.hpp>
+
 #include <hwy/highway.h>
 
 #include <cstddef>
@@ -188,7 +190,18 @@ HWY_INLINE Floats as_floats(Ints a) { return Floats{hn::BitCast(FloatTag(), a.ra
 /// follows the written ones there is overwritten with anything.
 /// @return how many lanes are true.
 HWY_INLINE std::size_t compress_store(Ints values, Mask m, std::int32_t* to) {
-    return hn::CompressStore(values.raw, hn::RebindMask(IntTag(), m.raw), IntTag(), to);
+#if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_SSE4
+    // Highway keeps its table in a local array, which GCC 12 copies to the stack in each call.
+    const unsigned mask = bits(m);
+    const hn::Rebind<std::uint8_t, IntTag> bytes;
+    const RawInts lanes = hn::PromoteTo(IntTag(), hn::LoadU(bytes, carom::detail::kTrueLanes.of[mask]));
+    hn::StoreU(hn::TableLookupLanes(values.raw, hn::IndicesFromVec(IntTag(), lanes)), IntTag(), to);
+    return hwy::PopCount(mask);
+#else
+    const auto chosen = hn::RebindMask(IntTag(), m.raw);
+    hn::StoreU(hn::Compress(values.raw, chosen), IntTag(), to);  // compressing straight to memory is slow on Zen 4
+    return hn::CountTrue(IntTag(), chosen);
+#endif
 }
 
 /// Three floats a lane.

@@ -13,17 +13,13 @@ namespace {
 
 using namespace carom::HWY_NAMESPACE;
 
-// Writes the pairs of box i with the lanes of `hit`. @return how many.
-std::size_t write_pairs(Tag index, Ints tags, Mask hit, std::uint64_t* to) {
-    alignas(64) std::int32_t others[16];
-    const std::size_t count = compress_store(tags & Ints{static_cast<std::int32_t>(kIndexMask)}, hit, others);
-    for (std::size_t k = 0; k < count; ++k) {
-        const auto other = static_cast<Tag>(others[k]);
-        const Tag a = index < other ? index : other;
-        const Tag b = index < other ? other : index;
-        to[k] = (static_cast<std::uint64_t>(a) << 32) | b;
-    }
-    return count;
+// Adds the pairs of `mine` with the lanes of `hit`, without a branch on how many there are.
+HWY_INLINE void add_pairs(Ints mine, Ints others, Mask hit, PairBuffer& out) {
+    out.make_room(kLanes);
+    const Mask before = mine < others;
+    const std::size_t count = compress_store(select(before, mine, others), hit, out.next_lesser());
+    compress_store(select(before, others, mine), hit, out.next_greater());
+    out.added(count);
 }
 
 template <bool sorted>
@@ -35,7 +31,7 @@ void overlaps_of_range(const Entries& e, std::size_t begin, std::size_t end, std
     const float* const lower2 = e.lower[2].data();
     const float* const upper2 = e.upper[2].data();
     const std::int32_t* const tag = e.tag.data();
-    const Ints barred{static_cast<std::int32_t>(kNotHome | kImmovable)};
+    const Ints barred{static_cast<std::int32_t>(~kIndexMask)}, index{static_cast<std::int32_t>(kIndexMask)};
     for (std::size_t i = begin; i < end; ++i) {
         const Floats my_lower0 = lower0[i], my_lower1 = lower1[i], my_lower2 = lower2[i];
         const Floats my_upper0 = upper0[i], my_upper1 = upper1[i], my_upper2 = upper2[i];
@@ -48,7 +44,7 @@ void overlaps_of_range(const Entries& e, std::size_t begin, std::size_t end, std
             if (any(hit)) {
                 const Ints tags = load_unaligned(tag + j);
                 hit = hit & ((tags & my_tag & barred) == Ints{0});
-                out.added(write_pairs(static_cast<Tag>(tag[i]) & kIndexMask, tags, hit, out.room_for(kLanes)));
+                add_pairs(my_tag & index, tags & index, hit, out);
             }
             if (sorted && !all(begun)) break;
         }
@@ -106,9 +102,9 @@ void Entries::close(std::size_t end) noexcept {
 }
 
 void PairBuffer::grow(std::size_t count) {
-    const std::size_t doubled = 2 * keys_.size();
-    const std::size_t needed = count_ + count;
-    keys_.resize(doubled > needed ? doubled : needed);
+    const std::size_t doubled = 2 * lesser_.size(), needed = count_ + count;
+    lesser_.resize(doubled > needed ? doubled : needed);
+    greater_.resize(lesser_.size());
 }
 
 }  // namespace carom::detail

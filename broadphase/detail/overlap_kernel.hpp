@@ -14,8 +14,9 @@ namespace carom::detail {
 
 /// A box's index and what keeps a pair from being reported: a bit that both boxes of a pair carry.
 using Tag = std::uint32_t;
-inline constexpr Tag kNotHome = Tag{1} << 31;    ///< the box is listed in an earlier strip too
-inline constexpr Tag kImmovable = Tag{1} << 30;
+inline constexpr Tag kNotHome1 = Tag{1} << 31;   ///< the box is listed in an earlier strip of axis 1 too
+inline constexpr Tag kNotHome2 = Tag{1} << 30;   ///< the same on axis 2
+inline constexpr Tag kImmovable = Tag{1} << 29;
 inline constexpr Tag kIndexMask = kImmovable - 1;
 
 /// Boxes as arrays. Axis 0 is the one that is swept. Runs of boxes are closed by sentinels that overlap nothing, so the
@@ -39,24 +40,37 @@ struct Entries {
     void close(std::size_t end) noexcept;
 };
 
-/// Pairs as found, (smaller index << 32) | larger index, with room to write ahead.
+/// Pairs as found, the smaller and the larger index in arrays of their own, with room to write ahead.
 class PairBuffer {
 public:
     void clear() noexcept { count_ = 0; }
     [[nodiscard]] std::size_t size() const noexcept { return count_; }
-    [[nodiscard]] std::uint64_t* data() noexcept { return keys_.data(); }
-    [[nodiscard]] const std::uint64_t* data() const noexcept { return keys_.data(); }
-    /// @return where to write up to `count` more.
-    [[nodiscard]] std::uint64_t* room_for(std::size_t count) {
-        if (keys_.size() - count_ < count) grow(count);
-        return keys_.data() + count_;
+    [[nodiscard]] std::uint32_t lesser(std::size_t i) const noexcept { return static_cast<std::uint32_t>(lesser_[i]); }
+    [[nodiscard]] std::uint32_t greater(std::size_t i) const noexcept { return static_cast<std::uint32_t>(greater_[i]); }
+
+    /// Where the kernel writes next, once there is room.
+    void make_room(std::size_t count) {
+        if (lesser_.size() - count_ < count) grow(count);
     }
+    [[nodiscard]] std::int32_t* next_lesser() noexcept { return lesser_.data() + count_; }
+    [[nodiscard]] std::int32_t* next_greater() noexcept { return greater_.data() + count_; }
     void added(std::size_t count) noexcept { count_ += count; }
-    void keep_first(std::size_t count) noexcept { count_ = count; }
+
+    /// Keeps the pairs for which `keep(a, b)` holds, in order.
+    template <class F>
+    void keep_if(F keep) noexcept {
+        std::size_t kept = 0;
+        for (std::size_t i = 0; i < count_; ++i) {
+            if (!keep(lesser(i), greater(i))) continue;
+            lesser_[kept] = lesser_[i];
+            greater_[kept++] = greater_[i];
+        }
+        count_ = kept;
+    }
 
 private:
     void grow(std::size_t count);
-    std::vector<std::uint64_t> keys_;
+    std::vector<std::int32_t> lesser_, greater_;
     std::size_t count_ = 0;
 };
 

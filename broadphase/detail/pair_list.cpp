@@ -17,16 +17,6 @@ bool agree(const ProxyFilter& a, const ProxyFilter& b) noexcept {
     return (a.layer & b.mask) != 0 && (b.layer & a.mask) != 0;
 }
 
-void drop_disagreeing(PairBuffer& piece, std::span<const ProxyFilter> filters) noexcept {
-    std::uint64_t* const keys = piece.data();
-    std::size_t kept = 0;
-    for (std::size_t i = 0; i < piece.size(); ++i) {
-        const std::uint64_t key = keys[i];
-        if (agree(filters[key >> 32], filters[key & 0xffffffffu])) keys[kept++] = key;
-    }
-    piece.keep_first(kept);
-}
-
 // Counts to places: the sum of all counts before.
 void accumulate(std::vector<std::uint32_t>& counts) noexcept {
     std::uint32_t start = 0;
@@ -42,7 +32,7 @@ void grow(std::vector<T>& v, std::size_t size) {
 
 const char* find_fault(std::span<const FloatAabb> bounds, std::span<const ProxyFilter> filters) noexcept {
     if (bounds.size() != filters.size()) return "bounds and filters differ in size";
-    if (bounds.size() > kIndexMask) return "more than 2^30 - 1 boxes";
+    if (bounds.size() > kIndexMask) return "more than 2^29 - 1 boxes";
     bool ordered = true, finite = true;
     for (const FloatAabb& box : bounds) {
         ordered &= (box.lower.x <= box.upper.x) & (box.lower.y <= box.upper.y) & (box.lower.z <= box.upper.z);
@@ -66,31 +56,30 @@ void PairList::finish(std::span<const ProxyFilter> filters) {
     const std::size_t n = filters.size();
     const std::span<PairBuffer> pieces(pieces_.data(), piece_count_);
     if (!all_agree(filters)) {
-        for (PairBuffer& piece : pieces) drop_disagreeing(piece, filters);
+        for (PairBuffer& piece : pieces) {
+            piece.keep_if([&](std::uint32_t a, std::uint32_t b) { return agree(filters[a], filters[b]); });
+        }
     }
-    starts_a_.assign(n, 0);
-    starts_b_.assign(n, 0);
+    next_of_a_.assign(n, 0);
+    next_of_b_.assign(n, 0);
     count_ = 0;
     for (const PairBuffer& piece : pieces) {
         for (std::size_t i = 0; i < piece.size(); ++i) {
-            ++starts_a_[piece.data()[i] >> 32];
-            ++starts_b_[piece.data()[i] & 0xffffffffu];
+            ++next_of_a_[piece.lesser(i)];
+            ++next_of_b_[piece.greater(i)];
         }
         count_ += piece.size();
     }
-    accumulate(starts_a_);
-    accumulate(starts_b_);
-    grow(by_b_, count_);
+    accumulate(next_of_a_);
+    accumulate(next_of_b_);
+    grow(a_by_b_, count_);
     grow(pairs_, count_);
     for (const PairBuffer& piece : pieces) {
-        for (std::size_t i = 0; i < piece.size(); ++i) {
-            const std::uint64_t key = piece.data()[i];
-            by_b_[starts_b_[key & 0xffffffffu]++] = key;
-        }
+        for (std::size_t i = 0; i < piece.size(); ++i) a_by_b_[next_of_b_[piece.greater(i)]++] = piece.lesser(i);
     }
-    for (std::size_t i = 0; i < count_; ++i) {
-        const auto a = static_cast<std::uint32_t>(by_b_[i] >> 32);
-        pairs_[starts_a_[a]++] = {a, static_cast<std::uint32_t>(by_b_[i])};
+    std::size_t i = 0;
+    for (std::uint32_t b = 0; b < n; ++b) {
+        for (; i < next_of_b_[b]; ++i) pairs_[next_of_a_[a_by_b_[i]]++] = {a_by_b_[i], b};
     }
 }
 

@@ -1,7 +1,7 @@
 // Input checks that all methods share, and the joining of pairs found in pieces into one sorted list.
 //
 //   const InputCheck check = check_input(bounds, filters);
-//   list.begin(pieces); find_overlaps(..., list.piece(k)); list.finish(bounds.size(), filters);
+//   list.begin(pieces); find_overlaps(..., list.piece(k)); list.finish(filters);
 #pragma once
 
 #include <carom/broadphase/broadphase.hpp>
@@ -32,8 +32,8 @@ public:
 private:
     std::vector<PairBuffer> pieces_;
     std::size_t piece_count_ = 0;
-    std::vector<std::uint32_t> starts_a_, starts_b_;
-    std::vector<std::uint64_t> by_b_;
+    std::vector<std::uint32_t> next_of_a_, next_of_b_;
+    std::vector<std::uint32_t> a_by_b_;
     std::vector<ProxyPair> pairs_;
     std::size_t count_ = 0;
 };
