@@ -32,15 +32,19 @@ struct Aabb {
     return {a.lower - dvec3{margin}, a.upper + dvec3{margin}};
 }
 
+/// @param shape  valid (see validate); @param pose  finite, unit orientation.
 /// @return a box that holds the shape at `pose`; for a plane, infinite on every axis.
-/// Accuracy: encloses the exact shape up to a few ulp of double; tight for sphere, box, capsule and hull; for a mesh it
-/// encloses the rotated box of the mesh.
+/// Accuracy: the box holds the exact shape, and also every point of it that transform_point() gives in double; it is larger by at
+/// most 2^-46 of |position| + |shape|. Tight for sphere, box, capsule and hull; for a mesh it holds the rotated box of the mesh.
+/// Cost: O(1), hull O(vertices); no allocation, thread-safe.
 [[nodiscard]] Aabb bounds(const Shape& shape, const Pose& pose);
 
-/// @return the radius about the shape's own origin of a ball that holds it [m]; infinite for a plane.
+/// @return the radius about the shape's own origin of a ball that holds it [m], rounded up; infinite for a plane.
+/// Cost: O(1), hull and mesh O(vertices).
 [[nodiscard]] double bounding_radius(const Shape& shape);
 
-/// @return the smallest edge of the box that holds the shape in its own frame [m]; infinite for a plane.
+/// @return the smallest edge of the box that holds the shape in its own frame [m]; infinite for a plane, 0 for a mesh in a
+/// plane along the axes.
 [[nodiscard]] double smallest_extent(const Shape& shape);
 
 }  // namespace carom

@@ -51,6 +51,20 @@ std::vector<dvec3> drop_unused(std::span<const dvec3> points, std::vector<detail
 /// belong to fewer than three faces are dropped.
 constexpr double kMergeLoss = 4.0;
 
+/// What `all` has and `some` has not; both are in the same order, without duplicates.
+std::vector<dvec3> missing(std::span<const dvec3> all, std::span<const dvec3> some) {
+    std::vector<dvec3> rest;
+    std::size_t next = 0;
+    for (const dvec3& p : all) {
+        if (next < some.size() && some[next] == p) {
+            ++next;
+        } else {
+            rest.push_back(p);
+        }
+    }
+    return rest;
+}
+
 /// Merges the triangles of an exact hull into faces. Points at which fewer than three faces meet are dropped and the hull is
 /// built anew from the others, until all points are corners.
 /// @return nothing if the faces are not convex polygons within the tolerance, which cannot happen with tolerance 0.
@@ -66,9 +80,7 @@ std::optional<Polyhedron> merge(std::span<const dvec3> exact_points, std::vector
             if (tolerance > 0.0) {
                 const double loss = kMergeLoss * tolerance;
                 if (!detail::is_convex_polyhedron(points, surface, loss)) return std::nullopt;
-                if (points.size() < exact_points.size() && !detail::is_near_hull(exact_points, points, surface, loss)) {
-                    return std::nullopt;
-                }
+                if (!detail::is_near_hull(missing(exact_points, points), points, surface, loss)) return std::nullopt;
             }
             return Polyhedron{std::move(points), std::move(surface)};
         }

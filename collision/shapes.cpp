@@ -1,6 +1,57 @@
 #include <carom/collision/shapes.hpp>
 
+#include <cmath>
+#include <string>
+
 namespace carom {
+namespace {
+
+Error failure(ErrorCode code, std::string message) { return {code, std::move(message), "validate(Shape)"}; }
+
+Status check_positive(float value, const char* field) {
+    if (!is_finite(value)) return failure(ErrorCode::NotFinite, std::string(field) + " is not finite");
+    if (!(value > 0.0f)) return failure(ErrorCode::InvalidArgument, std::string(field) + " must be greater than 0");
+    return {};
+}
+
+Status check(const Sphere& sphere) { return check_positive(sphere.radius, "Sphere::radius"); }
+
+Status check(const Box& box) {
+    if (Status status = check_positive(box.half_extents.x, "Box::half_extents.x"); !status) return status;
+    if (Status status = check_positive(box.half_extents.y, "Box::half_extents.y"); !status) return status;
+    return check_positive(box.half_extents.z, "Box::half_extents.z");
+}
+
+Status check(const Capsule& capsule) {
+    if (Status status = check_positive(capsule.radius, "Capsule::radius"); !status) return status;
+    if (!is_finite(capsule.half_segment)) return failure(ErrorCode::NotFinite, "Capsule::half_segment is not finite");
+    if (capsule.half_segment < 0.0f) {
+        return failure(ErrorCode::InvalidArgument, "Capsule::half_segment must not be negative");
+    }
+    return {};
+}
+
+Status check(const Plane& plane) {
+    if (!is_finite(plane.normal)) return failure(ErrorCode::NotFinite, "Plane::normal is not finite");
+    if (!is_finite(plane.offset)) return failure(ErrorCode::NotFinite, "Plane::offset is not finite");
+    const dvec3 n{plane.normal};
+    if (!(std::abs(std::sqrt(n.x * n.x + n.y * n.y + n.z * n.z) - 1.0) <= 1e-5)) {
+        return failure(ErrorCode::InvalidArgument, "Plane::normal must be of unit length");
+    }
+    return {};
+}
+
+Status check(const ConvexHullPtr& hull) {
+    if (!hull) return failure(ErrorCode::Empty, "ConvexHullPtr is null");
+    return {};
+}
+
+Status check(const TriangleMeshPtr& mesh) {
+    if (!mesh) return failure(ErrorCode::Empty, "TriangleMeshPtr is null");
+    return {};
+}
+
+}  // namespace
 
 const char* to_string(ShapeType type) noexcept {
     switch (type) {
@@ -12,6 +63,10 @@ const char* to_string(ShapeType type) noexcept {
         case ShapeType::TriangleMesh: return "triangle_mesh";
     }
     return "unknown";
+}
+
+Status validate(const Shape& shape) {
+    return std::visit([](const auto& alternative) { return check(alternative); }, shape);
 }
 
 }  // namespace carom

@@ -4,25 +4,26 @@
 namespace carom::detail {
 namespace {
 
-/// A sum held without rounding, as doubles that do not overlap, in order of growing magnitude.
+/// A sum held without rounding, as non-zero doubles that do not overlap, in order of growing magnitude.
 class ExactSum {
 public:
     void add(double value) noexcept {
+        int kept = 0;
         for (int i = 0; i < count_; ++i) {
             // Knuth's two-sum: sum + error = value + terms_[i], exactly.
             const double sum = value + terms_[i];
             const double part = sum - value;
-            terms_[i] = (value - (sum - part)) + (terms_[i] - part);
+            const double error = (value - (sum - part)) + (terms_[i] - part);
+            if (error != 0.0) terms_[kept++] = error;
             value = sum;
         }
-        terms_[count_++] = value;
+        count_ = kept;
+        if (value != 0.0) terms_[count_++] = value;
     }
 
     [[nodiscard]] int sign() const noexcept {
-        for (int i = count_; i-- > 0;) {
-            if (terms_[i] != 0.0) return terms_[i] > 0.0 ? 1 : -1;
-        }
-        return 0;
+        if (count_ == 0) return 0;
+        return terms_[count_ - 1] > 0.0 ? 1 : -1;
     }
 
 private:

@@ -143,6 +143,7 @@ bool Builder::start(double min_thickness) {
         facets_[facet].triangle.neighbor = {kNeighbors[f][0], kNeighbors[f][1], kNeighbors[f][2]};
     }
     for (std::uint32_t i = 0; i < count; ++i) {
+        if (i == p[0] || i == p[1] || i == p[2] || i == p[3]) continue;
         for (std::uint32_t f = 0; f < 4 && !claim(f, i); ++f) {
         }
     }
