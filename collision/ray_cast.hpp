@@ -31,13 +31,22 @@ struct RayHit {
 /// negative max_distance.
 [[nodiscard]] Status validate(const Ray& ray);
 
-/// First hit of `ray` on `shape` placed at `pose`, at a distance in [0, max_distance].
-/// A ray that starts inside a solid shape hits at distance 0, with the normal against the ray's direction; meshes are surfaces, so
-/// there is no inside.
-/// @return nothing where the ray misses, and where validate(ray) fails.
-/// Accuracy: distance to 1e-12 relative to the larger of distance and shape size, in double; pinned in tests/collision/.
+/// First hit of `ray` on `shape` in the shape's own frame, at a distance in [0, max_distance].
+///
+/// A ray that starts in a solid shape or on its surface hits at distance 0, at its origin, with the normal against the ray's
+/// direction; meshes are surfaces, so there is no inside. Of a mesh, edges and corners belong to their triangles, a closed mesh
+/// lets no ray through between triangles, a ray in the plane of a triangle misses that triangle, and of several triangles at
+/// one distance the lowest is hit.
+/// @return nothing where the ray misses, and where validate(ray) fails. Never a NaN.
+/// Accuracy: distance to 1e-12 relative to the larger of distance and shape size, in double, for rays that do not graze; pinned
+/// in tests/collision/.
 /// Cost: O(1); hull O(faces); mesh O(log triangles) expected. No allocation, thread-safe.
 /// Source: Ericson, Real-Time Collision Detection (2005), sec. 5.3; triangles by Woop, Benthin, Wald (JCGT 2013).
+[[nodiscard]] std::optional<RayHit> cast_ray(const Shape& shape, const Ray& ray);
+
+/// The same for `shape` placed at `pose`; ray and hit are in the frame that `pose` is in.
+/// @return nothing where `pose` is not finite, besides the above.
+/// Accuracy: as above, and what rounding the ray into the shape's frame costs: a few ulp of |origin - position|.
 [[nodiscard]] std::optional<RayHit> cast_ray(const Shape& shape, const Pose& pose, const Ray& ray);
 
 }  // namespace carom

@@ -3,19 +3,13 @@
 //   MeshData ball = sphere_mesh(12, 8, 1.0);
 #pragma once
 
-#include <carom/collision/triangle_mesh.hpp>
+#include <carom/collision/mesh_data.hpp>
 #include <carom/core/math.hpp>
 #include <carom/core/random.hpp>
 
 #include <cstdint>
-#include <vector>
 
 namespace carom::test {
-
-struct MeshData {
-    std::vector<vec3> vertices;
-    std::vector<TriangleMesh::Triangle> triangles;
-};
 
 /// Uniform in the cube of half edge `half`.
 inline dvec3 random_point(Random& random, double half) {
@@ -71,7 +65,7 @@ inline MeshData terrain(int n, double cell) {
 /// The same surface with three vertices of its own for each triangle.
 inline MeshData unweld(const MeshData& data) {
     MeshData soup;
-    for (const TriangleMesh::Triangle& t : data.triangles) {
+    for (const auto& t : data.triangles) {
         const auto first = static_cast<std::uint32_t>(soup.vertices.size());
         for (const std::uint32_t v : t) {
             soup.vertices.push_back(data.vertices[v]);

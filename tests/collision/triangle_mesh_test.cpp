@@ -16,7 +16,6 @@
 namespace carom {
 namespace {
 
-using test::MeshData;
 using Triangle = TriangleMesh::Triangle;
 
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
