@@ -15,6 +15,10 @@ inline constexpr double kFacePreference = 1e-6;
 /// Points outside a polygon by this share of the size count as inside, so that no corner is lost between two half-open tests.
 inline constexpr double kInsideTolerance = 1e-9;
 
+/// Polytopes closer than this share of the size have no reliable direction between their closest points (rounding of 1e-16 of the
+/// size over the distance: 1e-8 rad here); the axes decide instead. The step between the two answers is below this.
+inline constexpr double kTouching = 1e-8;
+
 /// Points of a patch this close to each other, as a share of the size, are one point; depths that differ by less are equal.
 inline constexpr double kPointTolerance = 1e-6;
 

@@ -2,12 +2,15 @@
 #pragma once
 
 #include <carom/narrowphase/detail/polygon_contact.hpp>
+#include <carom/narrowphase/detail/polytope_axis.hpp>
 
 #include <vector>
 
 namespace carom::detail {
 
 struct Workspace {
+    Polytope first, second;
+    EdgeLists edges;
     PolygonScratch polygons;
 };
 

@@ -1,0 +1,14 @@
+// The points of contact of two polytopes along an axis.
+#pragma once
+
+#include <carom/narrowphase/detail/polygon_contact.hpp>
+#include <carom/narrowphase/detail/polytope_axis.hpp>
+
+namespace carom::detail {
+
+/// Fills `patch` with up to four points of the contact of a and b along `axis`. Never empty: where the two faces share no region,
+/// the closest or deepest pair of points stands alone.
+void build_patch(const Polytope& a, const Polytope& b, const ContactAxis& axis, double margin, PolygonScratch& scratch,
+                 Patch& patch);
+
+}  // namespace carom::detail
