@@ -38,7 +38,7 @@ std::uint32_t vertex_along(const Polytope& p, const dvec3& direction) noexcept {
 }
 
 // The pair of points that the axis itself names: closest points, crossing edges, or the vertex that is deepest under a face.
-Candidate axis_point(const Polytope& a, const Polytope& b, const ContactAxis& axis, const ContactPlane& plane) noexcept {
+Candidate point_of_axis(const Polytope& a, const Polytope& b, const ContactAxis& axis, const ContactPlane& plane) noexcept {
     dvec3 point = 0.5 * (axis.on_a + axis.on_b);
     std::uint64_t name = feature_name(FeatureKind::Edges, axis.feature_a, axis.feature_b);
     if (axis.kind == AxisKind::FaceOfA) {
@@ -55,7 +55,8 @@ Candidate axis_point(const Polytope& a, const Polytope& b, const ContactAxis& ax
 
 }  // namespace
 
-void build_patch(const Polytope& a, const Polytope& b, const ContactAxis& axis, double margin, PolygonScratch& scratch, Patch& patch) {
+void build_patch(const Polytope& a, const Polytope& b, const ContactAxis& axis, double margin, AxisPoint axis_point,
+                 PolygonScratch& scratch, Patch& patch) {
     const double size = std::max(a.size, b.size);
     ContactPlane plane;
     plane.normal = axis.normal;
@@ -71,9 +72,8 @@ void build_patch(const Polytope& a, const Polytope& b, const ContactAxis& axis, 
 
     std::vector<Candidate>& points = scratch.candidates;
     points.clear();
-    points.push_back(axis_point(a, b, axis, plane));
-    // Faces that turn away from the normal fall away from the contact at once, and have no further points within reach.
-    if (glm::dot(first.normal, plane.normal) > kFacingCosine && -glm::dot(second.normal, plane.normal) > kFacingCosine) {
+    if (axis_point == AxisPoint::Keep) points.push_back(point_of_axis(a, b, axis, plane));
+    if (glm::dot(first.normal, plane.normal) > kLeastSlope && -glm::dot(second.normal, plane.normal) > kLeastSlope) {
         scratch.sides.resize(2 * first.corners.size() * second.corners.size());
         collect_face_contact<kAny>(first, second, plane, scratch.sides, points);
     }

@@ -6,9 +6,12 @@
 
 namespace carom::detail {
 
-/// Fills `patch` with up to four points of the contact of a and b along `axis`. Never empty: where the two faces share no region,
-/// the closest or deepest pair of points stands alone.
-void build_patch(const Polytope& a, const Polytope& b, const ContactAxis& axis, double margin, PolygonScratch& scratch,
-                 Patch& patch);
+/// Whether the pair of points that the axis names belongs to the contact. It does not where the axis was replaced by another.
+enum class AxisPoint : unsigned char { Keep, Leave };
+
+/// Fills `patch` with up to four points of the contact of a and b along `axis`. With AxisPoint::Keep it is
+/// never empty: where the two faces share no region, the closest or deepest pair of points stands alone.
+void build_patch(const Polytope& a, const Polytope& b, const ContactAxis& axis, double margin, AxisPoint axis_point,
+                 PolygonScratch& scratch, Patch& patch);
 
 }  // namespace carom::detail

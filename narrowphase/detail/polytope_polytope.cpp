@@ -10,7 +10,7 @@ CollideStatus touch(double margin, Workspace& workspace, ManifoldSink& sink) {
     ContactAxis axis;
     if (!find_axis(workspace.first, workspace.second, margin, workspace.edges, axis)) return CollideStatus::Ok;
     Patch patch;
-    build_patch(workspace.first, workspace.second, axis, margin, workspace.polygons, patch);
+    build_patch(workspace.first, workspace.second, axis, margin, AxisPoint::Keep, workspace.polygons, patch);
     sink.add(patch);
     return CollideStatus::Ok;
 }
