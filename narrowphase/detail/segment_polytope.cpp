@@ -52,13 +52,15 @@ struct ClippedSegment {
     std::uint32_t low_edge = 0, high_edge = 0;
 };
 
-// The part of the segment over the face, seen along the face's normal.
-ClippedSegment clip_to_face(const Segment& s, const Polytope& p, const Polytope::Face& face, double tolerance) noexcept {
+// The part of the segment over the face, seen along `normal`, which points to the polytope.
+ClippedSegment clip_to_face(const RoundSegment& core, const Polytope& p, const Polytope::Face& face, const dvec3& normal,
+                            double tolerance) noexcept {
+    const Segment& s = core.segment;
     ClippedSegment clip;
     for (std::uint32_t k = 0; k < face.count; ++k) {
         const dvec3& v = p.vertices[p.loop[face.first + k]];
         const dvec3 edge = p.vertices[p.loop[face.first + (k + 1 < face.count ? k + 1 : 0)]] - v;
-        const dvec3 side = glm::cross(edge, face.normal);
+        const dvec3 side = glm::cross(normal, edge);
         const double allowed = tolerance * std::sqrt(glm::dot(side, side));
         const double from = glm::dot(side, s.from - v), to = glm::dot(side, s.to - v);
         if (from <= allowed && to <= allowed) continue;
@@ -118,7 +120,7 @@ void build_patch(const RoundSegment& core, const Polytope& polytope, const Conta
     const Polytope::Face& face = polytope.faces[f];
     const double slope = glm::dot(face.normal, axis.normal);
     if (-slope > kLeastSlope && length > 0.0) {
-        const ClippedSegment clip = clip_to_face(s, polytope, face, kInsideTolerance * size);
+        const ClippedSegment clip = clip_to_face(core, polytope, face, axis.normal, kInsideTolerance * size);
         if (clip.low <= clip.high) {
             const auto to_face = [&](const dvec3& p) { return (face.offset - glm::dot(face.normal, p)) / slope; };
             add(s.at(clip.low), to_face(s.at(clip.low)), segment_name(clip.low, clip.low_edge));
