@@ -72,10 +72,15 @@ void build_patch(const Polytope& a, const Polytope& b, const ContactAxis& axis, 
 
     std::vector<Candidate>& points = scratch.candidates;
     points.clear();
-    if (axis_point == AxisPoint::Keep) points.push_back(point_of_axis(a, b, axis, plane));
     if (glm::dot(first.normal, plane.normal) > kLeastSlope && -glm::dot(second.normal, plane.normal) > kLeastSlope) {
         scratch.sides.resize(2 * first.corners.size() * second.corners.size());
         collect_face_contact<kAny>(first, second, plane, scratch.sides, points);
+    }
+    // The deepest vertex belongs to the region as a rule. It does not where the other face that faces the normal best is not at
+    // that vertex, and where rounding leaves no region.
+    const auto reaches = [&](const Candidate& c) { return c.separation <= axis.separation + kPointTolerance * size; };
+    if (axis_point == AxisPoint::Keep && std::none_of(points.begin(), points.end(), reaches)) {
+        points.push_back(point_of_axis(a, b, axis, plane));
     }
     patch.normal = plane.normal;
     patch.count = 0;
