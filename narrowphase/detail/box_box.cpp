@@ -2,8 +2,9 @@
 #include <carom/core/math.hpp>
 #include <carom/narrowphase/detail/box_face.hpp>
 #include <carom/narrowphase/detail/kernels.hpp>
-#include <carom/narrowphase/detail/polygon_contact.hpp>
+#include <carom/narrowphase/detail/polytope_patch.hpp>
 #include <carom/narrowphase/detail/tolerances.hpp>
+#include <carom/narrowphase/detail/workspace.hpp>
 
 #include <limits>
 
@@ -122,9 +123,22 @@ struct QuadCandidates {
     void push_back(const Candidate& c) noexcept { items[count++] = c; }
 };
 
+// The axes lie within the margin, but the faces are not over each other: corner to corner or corner to edge. The true distance
+// decides.
+CollideStatus boxes_apart(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
+    load_box(workspace.first, dvec3(as<Box>(pair.first).half_extents), dmat3{1.0}, dvec3{0.0});
+    load_box(workspace.second, dvec3(as<Box>(pair.second).half_extents), pair.rotation, pair.translation);
+    ContactAxis axis;
+    if (!find_axis(workspace.first, workspace.second, pair.margin, workspace.edges, axis)) return CollideStatus::Ok;
+    Patch patch;
+    build_patch(workspace.first, workspace.second, axis, pair.margin, AxisPoint::Keep, workspace.polygons, patch);
+    sink.add(patch);
+    return CollideStatus::Ok;
+}
+
 }  // namespace
 
-CollideStatus box_box(const PairFrame& pair, Workspace&, ManifoldSink& sink) {
+CollideStatus box_box(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
     Boxes p;
     p.a = dvec3(as<Box>(pair.first).half_extents);
     p.b = dvec3(as<Box>(pair.second).half_extents);
@@ -153,13 +167,10 @@ CollideStatus box_box(const PairFrame& pair, Workspace&, ManifoldSink& sink) {
     const BoxFace second(p.b, p.axes, p.offset, face_b, -sign_of(normal_b[face_b]), plane);
 
     QuadCandidates points;
-    const bool edges = axis.of_a >= 0 && axis.of_b >= 0;
-    if (edges) points.push_back(edge_point(p, axis, plane.normal, plane));
-    if (!edges || (std::abs(plane.normal[face_a]) > kFacingCosine && std::abs(normal_b[face_b]) > kFacingCosine)) {
-        std::array<double, 32> sides;
-        collect_face_contact<4>(first.polygon(), second.polygon(), plane, sides, points);
-    }
-    if (points.count == 0) return CollideStatus::Ok;
+    if (axis.of_a >= 0 && axis.of_b >= 0) points.push_back(edge_point(p, axis, plane.normal, plane));
+    std::array<double, 32> sides;
+    collect_face_contact<4>(first.polygon(), second.polygon(), plane, sides, points);
+    if (points.count == 0) return boxes_apart(pair, workspace, sink);
 
     const double snap = kSnap * std::min(first.least_side(), second.least_side());
     finish_patch<4>({points.items.data(), points.count}, first.polygon(), second.polygon(), kPointTolerance * size, snap, patch);

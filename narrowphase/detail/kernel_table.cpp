@@ -20,6 +20,16 @@ constexpr Row kRows[] = {
     {ShapeType::Box, ShapeType::Plane, box_plane},
     {ShapeType::Capsule, ShapeType::Capsule, capsule_capsule},
     {ShapeType::Capsule, ShapeType::Plane, capsule_plane},
+    {ShapeType::Capsule, ShapeType::Box, capsule_box},
+    {ShapeType::Capsule, ShapeType::ConvexHull, capsule_hull},
+    {ShapeType::Sphere, ShapeType::ConvexHull, sphere_hull},
+    {ShapeType::Box, ShapeType::ConvexHull, box_hull},
+    {ShapeType::ConvexHull, ShapeType::ConvexHull, hull_hull},
+    {ShapeType::ConvexHull, ShapeType::Plane, hull_plane},
+    {ShapeType::Sphere, ShapeType::TriangleMesh, sphere_mesh},
+    {ShapeType::Box, ShapeType::TriangleMesh, box_mesh},
+    {ShapeType::Capsule, ShapeType::TriangleMesh, capsule_mesh},
+    {ShapeType::ConvexHull, ShapeType::TriangleMesh, hull_mesh},
 };
 
 struct Table {

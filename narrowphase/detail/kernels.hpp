@@ -14,5 +14,14 @@ CollideStatus box_plane(const PairFrame& pair, Workspace& workspace, ManifoldSin
 CollideStatus capsule_capsule(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 CollideStatus capsule_plane(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 CollideStatus capsule_box(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+CollideStatus capsule_hull(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+CollideStatus sphere_hull(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+CollideStatus box_hull(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+CollideStatus hull_hull(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+CollideStatus hull_plane(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+CollideStatus sphere_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+CollideStatus box_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+CollideStatus capsule_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+CollideStatus hull_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 
 }  // namespace carom::detail

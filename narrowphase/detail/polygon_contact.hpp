@@ -45,7 +45,7 @@ struct ContactPlane {
 /// Buffers for polygons of any size.
 struct PolygonScratch {
     std::vector<FaceCorner> first, second;
-    std::vector<double> first_sides, second_sides;
+    std::vector<double> sides;
     std::vector<Candidate> candidates;
 };
 

@@ -1,10 +1,12 @@
 // Box and hull against a half-space: the corners below it.
+#include <carom/collision/convex_hull.hpp>
 #include <carom/core/math.hpp>
 #include <carom/narrowphase/detail/box_face.hpp>
 #include <carom/narrowphase/detail/kernels.hpp>
 #include <carom/narrowphase/detail/plane_form.hpp>
 #include <carom/narrowphase/detail/reduce.hpp>
 #include <carom/narrowphase/detail/tolerances.hpp>
+#include <carom/narrowphase/detail/workspace.hpp>
 
 namespace carom::detail {
 namespace {
@@ -44,6 +46,23 @@ CollideStatus box_plane(const PairFrame& pair, Workspace&, ManifoldSink& sink) {
         if (candidates[count].separation <= pair.margin) ++count;
     }
     emit({candidates.data(), count}, std::max({half.x, half.y, half.z}), plane, sink);
+    return CollideStatus::Ok;
+}
+
+CollideStatus hull_plane(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
+    const auto vertices = as<ConvexHullPtr>(pair.first)->vertices();
+    const PlaneForm plane = plane_in_first(pair);
+    const dvec3 axis_u = any_perpendicular(plane.normal);
+    const dvec3 axis_w = glm::cross(axis_u, plane.normal);
+    std::vector<Candidate>& candidates = workspace.polygons.candidates;
+    candidates.clear();
+    double size = 0.0;
+    for (std::uint32_t i = 0; i < vertices.size(); ++i) {
+        const Candidate c = corner_on_plane(dvec3(vertices[i]), i, plane, axis_u, axis_w);
+        size = std::max({size, std::abs(c.u), std::abs(c.w), std::abs(c.separation)});
+        if (c.separation <= pair.margin) candidates.push_back(c);
+    }
+    emit(candidates, size, plane, sink);
     return CollideStatus::Ok;
 }
 

@@ -15,18 +15,33 @@ inline constexpr double kFacePreference = 1e-6;
 /// Points outside a polygon by this share of the size count as inside, so that no corner is lost between two half-open tests.
 inline constexpr double kInsideTolerance = 1e-9;
 
+/// Polytopes closer than this share of the size have no reliable direction between their closest points (rounding of 1e-16 of the
+/// size over the distance: 1e-8 rad here); the axes decide instead. The step between the two answers is below this.
+inline constexpr double kTouching = 1e-8;
+
 /// Points of a patch this close to each other, as a share of the size, are one point; depths that differ by less are equal.
 inline constexpr double kPointTolerance = 1e-6;
 
 /// A point bears the name of a corner within this share of the shortest side of the faces.
 inline constexpr double kSnap = 0.02;
 
-/// An edge contact takes the points of the two faces as well where both face the normal to within acos(0.9) = 26 degrees. Beyond,
-/// they fall away from it so steeply that none would be within reach.
-inline constexpr double kFacingCosine = 0.9;
+/// Two faces share points of contact where both face the normal with at least this cosine. Heights over a face are divided by it;
+/// steeper faces fall away from the contact at once and have no further points within reach.
+inline constexpr double kLeastSlope = 0.05;
 
 /// Capsules whose axes enclose an angle of at most this sine touch along a line: two points. Halves of length h and radius r then
 /// curve apart between the points by at most (0.03 h)^2 / (4 r), which the points do not show.
 inline constexpr double kAlongSine = 0.03;
+
+/// A surface counts as flat over an edge where it rises by at most this sine: normals that rounding tilts are still its own.
+inline constexpr double kRidgeSine = 1e-5;
+
+/// A normal this close to a triangle's own is that normal.
+inline constexpr double kFaceCosine = 1.0 - 1e-10;
+
+/// Contacts with triangles of a mesh whose normals lie this close make one manifold: for flat-sided shapes within 18 degrees, since
+/// one face rests on all of them; for round shapes within 0.8 degrees, since each point has a normal of its own.
+inline constexpr double kSameNormal = 0.95;
+inline constexpr double kSameRoundNormal = 0.9999;
 
 }  // namespace carom::detail

@@ -1,14 +1,19 @@
 // Buffers of the kernels, one set a thread, that grow once and are reused.
 #pragma once
 
+#include <carom/narrowphase/detail/mesh_surface.hpp>
 #include <carom/narrowphase/detail/polygon_contact.hpp>
+#include <carom/narrowphase/detail/polytope_axis.hpp>
 
 #include <vector>
 
 namespace carom::detail {
 
 struct Workspace {
+    Polytope first, second;
+    EdgeLists edges;
     PolygonScratch polygons;
+    MeshSurface surface;
 };
 
 /// @return the calling thread's buffers.

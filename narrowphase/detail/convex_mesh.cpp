@@ -1,0 +1,167 @@
+// Sphere, box, capsule and hull against a triangle mesh.
+#include <carom/collision/convex_hull.hpp>
+#include <carom/collision/triangle_mesh.hpp>
+#include <carom/narrowphase/detail/kernels.hpp>
+#include <carom/narrowphase/detail/round_contact.hpp>
+#include <carom/narrowphase/detail/segment_polytope.hpp>
+#include <carom/narrowphase/detail/tolerances.hpp>
+#include <carom/narrowphase/detail/workspace.hpp>
+
+#include <glm/common.hpp>
+
+#include <algorithm>
+
+namespace carom::detail {
+namespace {
+
+Aabb add_ball(const Aabb& box, const dvec3& centre, double radius) noexcept {
+    return merge(box, {centre - dvec3{radius}, centre + dvec3{radius}});
+}
+
+// The two kinds of convex shape that need more than closest points, behind one face.
+struct PolytopeProbe {
+    const Polytope& polytope;
+    dvec3 centre{0.0};
+
+    [[nodiscard]] double size() const noexcept { return polytope.size; }
+    [[nodiscard]] double reach(const dvec3& n) const noexcept {
+        double best = glm::dot(polytope.vertices[0], n);
+        for (const dvec3& v : polytope.vertices) best = std::max(best, glm::dot(v, n));
+        return best;
+    }
+    [[nodiscard]] bool beside(const NearTriangle& t, double margin) const noexcept {
+        return glm::any(glm::greaterThan(t.lower, polytope.upper + dvec3{margin})) ||
+               glm::any(glm::lessThan(t.upper, polytope.lower - dvec3{margin}));
+    }
+    bool axis(const Polytope& triangle, double margin, Workspace& workspace, ContactAxis& axis) const {
+        return find_axis(polytope, triangle, margin, workspace.edges, axis);
+    }
+    void patch(const Polytope& triangle, const ContactAxis& axis, double margin, AxisPoint point, Workspace& workspace,
+               Patch& patch) const {
+        build_patch(polytope, triangle, axis, margin, point, workspace.polygons, patch);
+    }
+};
+
+struct SegmentProbe {
+    const RoundSegment& core;
+    dvec3 centre{0.0};
+
+    [[nodiscard]] double size() const noexcept { return core.radius + std::abs(core.segment.to.y); }
+    [[nodiscard]] double reach(const dvec3& n) const noexcept {
+        return core.radius + std::max(glm::dot(core.segment.from, n), glm::dot(core.segment.to, n));
+    }
+    [[nodiscard]] bool beside(const NearTriangle& t, double margin) const noexcept {
+        const dvec3 half = glm::abs(core.segment.to) + dvec3{core.radius + margin};
+        return glm::any(glm::greaterThan(t.lower, half)) || glm::any(glm::lessThan(t.upper, -half));
+    }
+    bool axis(const Polytope& triangle, double margin, Workspace&, ContactAxis& axis) const {
+        return find_axis(core, triangle, margin, axis);
+    }
+    void patch(const Polytope& triangle, const ContactAxis& axis, double margin, AxisPoint point, Workspace& workspace,
+               Patch& patch) const {
+        build_patch(core, triangle, axis, margin, point, workspace.polygons, patch);
+    }
+};
+
+// Where the triangle supports the contact along the axis.
+dvec3 point_on_triangle(const Polytope& triangle, const ContactAxis& axis) noexcept {
+    if (axis.kind == AxisKind::Distance || axis.kind == AxisKind::Edges) return axis.on_b;
+    std::size_t best = 0;
+    for (std::size_t i = 1; i < 3; ++i) {
+        if (glm::dot(triangle.vertices[i], axis.normal) < glm::dot(triangle.vertices[best], axis.normal)) best = i;
+    }
+    return triangle.vertices[best];
+}
+
+// The contact of one triangle. Its own normal is always allowed, on the side on which the shape's centre lies; another one only
+// where the surface is locally highest along it. Otherwise the triangle's normal takes its place, over the triangle alone.
+template <class Probe>
+bool touch_triangle(const Probe& probe, const MeshSurface& surface, double margin, Workspace& workspace, Patch& patch) {
+    const Polytope& triangle = workspace.second;
+    const bool above = glm::dot(triangle.faces[0].normal, probe.centre) >= triangle.faces[0].offset;
+    const Polytope::Face& face = triangle.faces[above ? 0 : 1];
+    const double height = -probe.reach(-face.normal) - face.offset;  // of the shape over the face; negative below it
+    if (height > margin) return false;
+    ContactAxis axis;
+    if (!probe.axis(triangle, margin, workspace, axis)) return false;
+
+    AxisPoint point = AxisPoint::Keep;
+    const bool is_face = axis.kind == AxisKind::FaceOfB || -glm::dot(axis.normal, face.normal) > kFaceCosine;
+    const bool is_other_face = axis.kind == AxisKind::FaceOfB && glm::dot(axis.normal, face.normal) > 0.0;
+    if (is_other_face || (!is_face && !surface.allows(point_on_triangle(triangle, axis), -axis.normal, kPointTolerance * probe.size()))) {
+        axis = {AxisKind::FaceOfB, -face.normal, height, {}, {}, 0, above ? 0u : 1u};
+        point = AxisPoint::Leave;
+    }
+    probe.patch(triangle, axis, margin, point, workspace, patch);
+    return patch.count > 0;
+}
+
+template <class Probe>
+void touch_mesh(const PairFrame& pair, const Probe& probe, const Aabb& bounds, double same_normal, Workspace& workspace,
+                ManifoldSink& sink) {
+    MeshSurface& surface = workspace.surface;
+    surface.gather(pair, inflate(bounds, pair.margin + kInsideTolerance * probe.size()));
+    for (const NearTriangle& t : surface.triangles) {
+        if (probe.beside(t, pair.margin) || !load_triangle(workspace.second, t.corners)) continue;
+        TrianglePatch contact;
+        contact.triangle = t.index;
+        if (touch_triangle(probe, surface, pair.margin, workspace, contact.patch)) surface.patches.push_back(contact);
+    }
+    surface.emit(same_normal, kPointTolerance * probe.size(), sink);
+}
+
+CollideStatus polytope_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
+    const Polytope& polytope = workspace.first;
+    Aabb bounds;
+    for (const dvec3& v : polytope.vertices) bounds = add_ball(bounds, pair.to_second(v), 0.0);
+    touch_mesh(pair, PolytopeProbe{polytope, 0.5 * (polytope.lower + polytope.upper)}, bounds, kSameNormal, workspace, sink);
+    return CollideStatus::Ok;
+}
+
+}  // namespace
+
+CollideStatus box_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
+    load_box(workspace.first, dvec3(as<Box>(pair.first).half_extents), dmat3{1.0}, dvec3{0.0});
+    return polytope_mesh(pair, workspace, sink);
+}
+
+CollideStatus hull_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
+    load_hull(workspace.first, *as<ConvexHullPtr>(pair.first), dmat3{1.0}, dvec3{0.0});
+    return polytope_mesh(pair, workspace, sink);
+}
+
+CollideStatus capsule_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
+    const Capsule& capsule = as<Capsule>(pair.first);
+    const double half = static_cast<double>(capsule.half_segment);
+    const RoundSegment core{{{0.0, -half, 0.0}, {0.0, half, 0.0}}, static_cast<double>(capsule.radius)};
+    Aabb bounds = add_ball({}, pair.to_second(core.segment.from), core.radius);
+    bounds = add_ball(bounds, pair.to_second(core.segment.to), core.radius);
+    touch_mesh(pair, SegmentProbe{core}, bounds, kSameRoundNormal, workspace, sink);
+    return CollideStatus::Ok;
+}
+
+CollideStatus sphere_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
+    const double radius = static_cast<double>(as<Sphere>(pair.first).radius);
+    MeshSurface& surface = workspace.surface;
+    surface.gather(pair, inflate(add_ball({}, pair.to_second(dvec3{0.0}), radius), pair.margin + kInsideTolerance * radius));
+    for (const NearTriangle& t : surface.triangles) {
+        const TrianglePoint closest = closest_on_triangle(t.corners, dvec3{0.0});
+        const dvec3 cross = glm::cross(t.corners[1] - t.corners[0], t.corners[2] - t.corners[0]);
+        // With the centre on the surface, out to the front of the triangle.
+        Direction direction = direction_of(closest.point, -direction_of(cross, {0.0, 1.0, 0.0}).unit);
+        if (direction.length - radius > pair.margin) continue;
+        if (!closest.inside && direction.length > 0.0 &&
+            !surface.allows(closest.point, -direction.unit, kPointTolerance * radius)) {
+            continue;  // a neighbour is nearer
+        }
+        TrianglePatch contact;
+        contact.triangle = t.index;
+        contact.patch.normal = direction.unit;
+        add_ball(contact.patch, dvec3{0.0}, radius, direction.length, 0);
+        surface.patches.push_back(contact);
+    }
+    surface.emit(kSameRoundNormal, kPointTolerance * radius, sink);
+    return CollideStatus::Ok;
+}
+
+}  // namespace carom::detail

@@ -1,0 +1,29 @@
+// Distance between the convex hulls of two small sets of points.
+//
+//   GjkResult r = gjk(segment, hull.vertices);
+//   if (!r.overlap && r.distance > radius) { /* apart */ }
+#pragma once
+
+#include <carom/core/types.hpp>
+
+#include <span>
+
+namespace carom::detail {
+
+struct GjkResult {
+    dvec3 on_a{0.0};         ///< closest points; where the hulls overlap, without meaning
+    dvec3 on_b{0.0};
+    double distance = 0.0;   ///< an upper bound always; the distance where `converged`
+    bool overlap = false;    ///< the hulls touch or overlap, to 1e-12 of their extent
+    bool converged = true;   ///< false: stopped at the cap on iterations
+};
+
+/// Closest points of the convex hulls of `a` and `b`, each of at least one point, all finite, in one frame.
+///
+/// Method: Gilbert, Johnson, Keerthi (1988); the closest point of the simplex by Voronoi regions (Ericson 2005, sec. 9.5). Stops
+/// when the bound from the support plane meets the distance, when a support point comes back, or when rounding allows no progress.
+/// Accuracy: distance to 1e-12 relative plus 1e-14 of the largest coordinate difference. Total: at most 64 rounds, never throws.
+/// Cost: about 6 rounds of (|a| + |b|) dot products. No allocation.
+[[nodiscard]] GjkResult gjk(std::span<const dvec3> a, std::span<const dvec3> b) noexcept;
+
+}  // namespace carom::detail

@@ -1,0 +1,87 @@
+#include <carom/collision/triangle_mesh.hpp>
+#include <carom/core/math.hpp>
+#include <carom/narrowphase/detail/feature.hpp>
+#include <carom/narrowphase/detail/mesh_surface.hpp>
+#include <carom/narrowphase/detail/tolerances.hpp>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+
+namespace carom::detail {
+namespace {
+
+double depth_of(const Patch& patch) noexcept {
+    double least = patch.points[0].separation;
+    for (int i = 1; i < patch.count; ++i) least = std::min(least, patch.points[static_cast<std::size_t>(i)].separation);
+    return least;
+}
+
+}  // namespace
+
+void MeshSurface::gather(const PairFrame& pair, const Aabb& bounds) {
+    const TriangleMesh& mesh = *as<TriangleMeshPtr>(pair.second);
+    triangles.clear();
+    patches.clear();
+    mesh.overlap(bounds, [&](std::uint32_t index) {
+        NearTriangle& t = triangles.emplace_back();
+        const std::array<vec3, 3> corners = mesh.corners(index);
+        t.index = index;
+        for (std::size_t k = 0; k < 3; ++k) t.corners[k] = pair.to_first(dvec3(corners[k]));
+        t.lower = glm::min(glm::min(t.corners[0], t.corners[1]), t.corners[2]);
+        t.upper = glm::max(glm::max(t.corners[0], t.corners[1]), t.corners[2]);
+        return true;
+    });
+}
+
+bool MeshSurface::allows(const dvec3& p, const dvec3& outward, double tolerance) const noexcept {
+    for (const NearTriangle& t : triangles) {
+        if (p.x < t.lower.x - tolerance || p.y < t.lower.y - tolerance || p.z < t.lower.z - tolerance || p.x > t.upper.x + tolerance ||
+            p.y > t.upper.y + tolerance || p.z > t.upper.z + tolerance) {
+            continue;
+        }
+        const dvec3 gap = closest_on_triangle(t.corners, p).point - p;
+        if (glm::dot(gap, gap) > tolerance * tolerance) continue;
+        for (const dvec3& corner : t.corners) {
+            const dvec3 d = corner - p;
+            const double rise = glm::dot(outward, d) - tolerance;
+            if (rise > 0.0 && rise * rise > kRidgeSine * kRidgeSine * glm::dot(d, d)) return false;
+        }
+    }
+    return true;
+}
+
+void MeshSurface::emit(double same_normal, double tolerance, ManifoldSink& sink) {
+    for (;;) {
+        const TrianglePatch* leader = nullptr;
+        for (const TrianglePatch& p : patches) {
+            if (!p.used && p.patch.count > 0 && (leader == nullptr || depth_of(p.patch) < depth_of(leader->patch))) leader = &p;
+        }
+        if (leader == nullptr) return;
+        Patch merged;
+        merged.normal = leader->patch.normal;
+        const dvec3 axis_u = any_perpendicular(merged.normal), axis_w = glm::cross(merged.normal, axis_u);
+        candidates_.clear();
+        for (TrianglePatch& p : patches) {
+            const double cosine = glm::dot(p.patch.normal, merged.normal);
+            if (p.used || p.patch.count == 0 || (&p != leader && cosine < same_normal)) continue;
+            p.used = true;
+            for (int i = 0; i < p.patch.count; ++i) {
+                const PatchPoint& point = p.patch.points[static_cast<std::size_t>(i)];
+                candidates_.push_back({point.position, &p == leader ? point.separation : point.separation * cosine,
+                                       glm::dot(point.position, axis_u), glm::dot(point.position, axis_w),
+                                       triangle_feature(p.triangle, point.feature)});
+            }
+        }
+        std::array<int, kMaxManifoldPoints> chosen{};
+        const int count = reduce_points(candidates_, tolerance, chosen);
+        for (int i = 0; i < count; ++i) {
+            const Candidate& c = candidates_[static_cast<std::size_t>(chosen[static_cast<std::size_t>(i)])];
+            merged.add(c.position, c.separation, c.feature);
+        }
+        sink.add(merged);
+    }
+}
+
+}  // namespace carom::detail

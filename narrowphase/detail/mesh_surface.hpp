@@ -1,0 +1,52 @@
+// The triangles of a mesh near a convex shape, which normals they allow, and the patches that they make together.
+//
+//   surface.gather(pair, bounds_in_mesh);
+//   for (const NearTriangle& t : surface.triangles) ... surface.patches.push_back({patch, t.index});
+//   surface.emit(0.95, size, sink);
+#pragma once
+
+#include <carom/collision/aabb.hpp>
+#include <carom/narrowphase/detail/kernel.hpp>
+#include <carom/narrowphase/detail/reduce.hpp>
+#include <carom/narrowphase/detail/triangle.hpp>
+
+#include <vector>
+
+namespace carom::detail {
+
+/// A triangle of the mesh in the frame of the convex shape.
+struct NearTriangle {
+    std::uint32_t index = 0;
+    Corners corners{dvec3{0.0}, dvec3{0.0}, dvec3{0.0}};
+    dvec3 lower{0.0}, upper{0.0};
+};
+
+/// What one triangle contributes.
+struct TrianglePatch {
+    Patch patch;
+    std::uint32_t triangle = 0;
+    bool used = false;
+};
+
+class MeshSurface {
+public:
+    std::vector<NearTriangle> triangles;
+    std::vector<TrianglePatch> patches;
+
+    /// Collects the triangles whose boxes meet `bounds` (mesh frame), in the order of the mesh's hierarchy, and forgets all patches.
+    void gather(const PairFrame& pair, const Aabb& bounds);
+
+    /// Whether the surface is locally highest along the unit vector `outward` at its point `p`: then a contact there may push along
+    /// it. On an edge between two triangles that lie in one plane only the plane's normal may; in a valley nothing but the faces'.
+    /// Triangles are found by position, so cracks of up to `tolerance` [m] count as joined, and T-junctions need no adjacency.
+    [[nodiscard]] bool allows(const dvec3& p, const dvec3& outward, double tolerance) const noexcept;
+
+    /// Merges the patches: the deepest leads, and takes in all whose normals lie within acos(`same_normal`) of its own; then the
+    /// deepest of the rest. Each group becomes one manifold of at most four points, its separations along the leader's normal.
+    void emit(double same_normal, double tolerance, ManifoldSink& sink);
+
+private:
+    std::vector<Candidate> candidates_;
+};
+
+}  // namespace carom::detail

@@ -1,0 +1,91 @@
+#include <carom/core/math.hpp>
+#include <carom/narrowphase/detail/polytope_patch.hpp>
+#include <carom/narrowphase/detail/tolerances.hpp>
+
+#include <algorithm>
+#include <limits>
+
+namespace carom::detail {
+namespace {
+
+constexpr std::size_t kAny = std::dynamic_extent;
+
+FacePolygon<kAny> polygon_of(const Polytope& p, std::uint32_t face, const ContactPlane& plane, std::vector<FaceCorner>& corners) {
+    const Polytope::Face& f = p.faces[face];
+    corners.clear();
+    for (std::uint32_t k = f.first; k < f.first + f.count; ++k) {
+        const dvec3& v = p.vertices[p.loop[k]];
+        corners.push_back({v, glm::dot(v, plane.axis_u), glm::dot(v, plane.axis_w), p.loop[k], p.loop_edge[k]});
+    }
+    return {corners, f.normal, f.offset};
+}
+
+double least_side(std::span<const FaceCorner> corners) noexcept {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+        const dvec3 d = corners[k + 1 < corners.size() ? k + 1 : 0].point - corners[k].point;
+        least = std::min(least, glm::dot(d, d));
+    }
+    return std::sqrt(least);
+}
+
+std::uint32_t vertex_along(const Polytope& p, const dvec3& direction) noexcept {
+    std::uint32_t best = 0;
+    for (std::uint32_t i = 1; i < p.vertices.size(); ++i) {
+        if (glm::dot(p.vertices[i], direction) > glm::dot(p.vertices[best], direction)) best = i;
+    }
+    return best;
+}
+
+// The pair of points that the axis itself names: closest points, crossing edges, or the vertex that is deepest under a face.
+Candidate point_of_axis(const Polytope& a, const Polytope& b, const ContactAxis& axis, const ContactPlane& plane) noexcept {
+    dvec3 point = 0.5 * (axis.on_a + axis.on_b);
+    std::uint64_t name = feature_name(FeatureKind::Edges, axis.feature_a, axis.feature_b);
+    if (axis.kind == AxisKind::FaceOfA) {
+        const std::uint32_t v = vertex_along(b, -axis.normal);
+        point = b.vertices[v] - (0.5 * axis.separation) * axis.normal;
+        name = feature_name(FeatureKind::VertexOfSecond, 0, v);
+    } else if (axis.kind == AxisKind::FaceOfB) {
+        const std::uint32_t v = vertex_along(a, axis.normal);
+        point = a.vertices[v] + (0.5 * axis.separation) * axis.normal;
+        name = feature_name(FeatureKind::VertexOfFirst, v, 0);
+    }
+    return {point, axis.separation, glm::dot(point, plane.axis_u), glm::dot(point, plane.axis_w), name};
+}
+
+}  // namespace
+
+void build_patch(const Polytope& a, const Polytope& b, const ContactAxis& axis, double margin, AxisPoint axis_point,
+                 PolygonScratch& scratch, Patch& patch) {
+    const double size = std::max(a.size, b.size);
+    ContactPlane plane;
+    plane.normal = axis.normal;
+    plane.axis_u = any_perpendicular(plane.normal);
+    plane.axis_w = glm::cross(plane.normal, plane.axis_u);
+    plane.margin = margin;
+    plane.tolerance = kInsideTolerance * size;
+
+    const std::uint32_t face_a = axis.kind == AxisKind::FaceOfA ? axis.feature_a : face_along(a, plane.normal);
+    const std::uint32_t face_b = axis.kind == AxisKind::FaceOfB ? axis.feature_b : face_along(b, -plane.normal);
+    const FacePolygon<kAny> first = polygon_of(a, face_a, plane, scratch.first);
+    const FacePolygon<kAny> second = polygon_of(b, face_b, plane, scratch.second);
+
+    std::vector<Candidate>& points = scratch.candidates;
+    points.clear();
+    if (glm::dot(first.normal, plane.normal) > kLeastSlope && -glm::dot(second.normal, plane.normal) > kLeastSlope) {
+        scratch.sides.resize(2 * first.corners.size() * second.corners.size());
+        collect_face_contact<kAny>(first, second, plane, scratch.sides, points);
+    }
+    // The deepest vertex belongs to the region as a rule. It does not where the other face that faces the normal best is not at
+    // that vertex, and where rounding leaves no region.
+    const auto reaches = [&](const Candidate& c) { return c.separation <= axis.separation + kPointTolerance * size; };
+    if (axis_point == AxisPoint::Keep && std::none_of(points.begin(), points.end(), reaches)) {
+        points.push_back(point_of_axis(a, b, axis, plane));
+    }
+    patch.normal = plane.normal;
+    patch.count = 0;
+    const double snap = kSnap * std::min(least_side(first.corners), least_side(second.corners));
+    finish_patch<kAny>(points, first, second, kPointTolerance * size, snap, patch);
+}
+
+}  // namespace carom::detail

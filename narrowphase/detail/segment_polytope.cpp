@@ -1,0 +1,148 @@
+#include <carom/core/math.hpp>
+#include <carom/narrowphase/detail/gjk.hpp>
+#include <carom/narrowphase/detail/segment_polytope.hpp>
+#include <carom/narrowphase/detail/tolerances.hpp>
+
+#include <algorithm>
+#include <limits>
+
+namespace carom::detail {
+namespace {
+
+// Least depth of a segment that reaches into the polytope.
+ContactAxis least_depth_axis(const Segment& s, const Polytope& p) noexcept {
+    ContactAxis axis;
+    axis.kind = AxisKind::FaceOfB;
+    axis.separation = -std::numeric_limits<double>::infinity();
+    for (std::uint32_t f = 0; f < p.faces.size(); ++f) {
+        const Polytope::Face& face = p.faces[f];
+        const double from = glm::dot(face.normal, s.from), to = glm::dot(face.normal, s.to);
+        const double depth = std::min(from, to) - face.offset;
+        if (depth > axis.separation) {
+            axis.normal = -face.normal;
+            axis.separation = depth;
+            axis.on_a = from <= to ? s.from : s.to;
+            axis.feature_b = f;
+        }
+    }
+    axis.on_b = axis.on_a + axis.separation * axis.normal;
+
+    // An edge counts where the plane square to the segment passes between the normals of its two faces.
+    const dvec3 d = s.to - s.from;
+    const double preference = kFacePreference * std::max(p.size, std::sqrt(glm::dot(d, d)));
+    const ContactAxis face = axis;
+    for (const Polytope::Edge& e : p.edges) {
+        if (!(glm::dot(e.left, d) * glm::dot(e.right, d) < 0.0)) continue;
+        const dvec3 cross = glm::cross(d, e.direction);
+        const double length_sq = glm::dot(cross, cross);
+        if (!(length_sq > kParallelSine * kParallelSine * glm::dot(d, d) * glm::dot(e.direction, e.direction))) continue;
+        const dvec3 outward = cross * ((glm::dot(cross, e.left + e.right) < 0.0 ? -1.0 : 1.0) / std::sqrt(length_sq));
+        const double depth = glm::dot(outward, s.from - p.vertices[e.from]);
+        if (depth > axis.separation && depth > face.separation + preference) {
+            const Segment edge{p.vertices[e.from], p.vertices[e.to]};
+            const SegmentParameters closest = closest_parameters(s, edge);
+            axis = {AxisKind::Edges, -outward, depth, s.at(closest.s), edge.at(closest.t), 0, e.name};
+        }
+    }
+    return axis;
+}
+
+struct ClippedSegment {
+    double low = 0.0, high = 1.0;
+    std::uint32_t low_edge = 0, high_edge = 0;
+};
+
+// The part of the segment over the face, seen along `normal`, which points to the polytope.
+ClippedSegment clip_to_face(const RoundSegment& core, const Polytope& p, const Polytope::Face& face, const dvec3& normal,
+                            double tolerance) noexcept {
+    const Segment& s = core.segment;
+    ClippedSegment clip;
+    for (std::uint32_t k = 0; k < face.count; ++k) {
+        const dvec3& v = p.vertices[p.loop[face.first + k]];
+        const dvec3 edge = p.vertices[p.loop[face.first + (k + 1 < face.count ? k + 1 : 0)]] - v;
+        const dvec3 side = glm::cross(normal, edge);
+        const double allowed = tolerance * std::sqrt(glm::dot(side, side));
+        const double from = glm::dot(side, s.from - v), to = glm::dot(side, s.to - v);
+        if (from <= allowed && to <= allowed) continue;
+        if (from > allowed && to > allowed) return {1.0, 0.0, 0, 0};
+        const double t = from / (from - to);
+        const std::uint32_t name = p.loop_edge[face.first + k];
+        if (from > to && t > clip.low) {
+            clip.low = t;
+            clip.low_edge = name;
+        } else if (to > from && t < clip.high) {
+            clip.high = t;
+            clip.high_edge = name;
+        }
+    }
+    return clip;
+}
+
+std::uint64_t segment_name(double t, std::uint32_t edge) noexcept {
+    if (t < kSnap) return feature_name(FeatureKind::VertexOfFirst, 0, 0);
+    if (t > 1.0 - kSnap) return feature_name(FeatureKind::VertexOfFirst, 1, 0);
+    return feature_name(FeatureKind::Edges, 0, edge);
+}
+
+}  // namespace
+
+bool find_axis(const RoundSegment& core, const Polytope& polytope, double margin, ContactAxis& axis) {
+    const dvec3 ends[2] = {core.segment.from, core.segment.to};
+    const std::size_t count = core.segment.from == core.segment.to ? 1 : 2;
+    const GjkResult r = gjk(std::span<const dvec3>(ends, count), polytope.vertices);
+    if (r.converged) {
+        if (r.distance - core.radius > margin) return false;
+        if (r.distance > kTouching * polytope.size) {
+            axis = {AxisKind::Distance, (r.on_b - r.on_a) / r.distance, r.distance, r.on_a, r.on_b, 0, 0};
+            return true;
+        }
+    }
+    axis = least_depth_axis(core.segment, polytope);
+    return axis.separation - core.radius <= margin;
+}
+
+void build_patch(const RoundSegment& core, const Polytope& polytope, const ContactAxis& axis, double margin, AxisPoint axis_point,
+                 PolygonScratch& scratch, Patch& patch) {
+    const Segment& s = core.segment;
+    const dvec3 d = s.to - s.from;
+    const double length = std::sqrt(glm::dot(d, d));
+    const double size = std::max({polytope.size, length, core.radius});
+    const dvec3 axis_u = any_perpendicular(axis.normal), axis_w = glm::cross(axis.normal, axis_u);
+    std::vector<Candidate>& points = scratch.candidates;
+    points.clear();
+    const auto add = [&](const dvec3& p, double distance, std::uint64_t name) {
+        if (!(distance - core.radius <= margin)) return;
+        const dvec3 position = p + (0.5 * (core.radius + distance)) * axis.normal;
+        points.push_back({position, distance - core.radius, glm::dot(p, axis_u), glm::dot(p, axis_w), name});
+    };
+
+    const std::uint32_t f = axis.kind == AxisKind::FaceOfB ? axis.feature_b : face_along(polytope, -axis.normal);
+    const Polytope::Face& face = polytope.faces[f];
+    const double slope = glm::dot(face.normal, axis.normal);
+    if (-slope > kLeastSlope && length > 0.0) {
+        const ClippedSegment clip = clip_to_face(core, polytope, face, axis.normal, kInsideTolerance * size);
+        if (clip.low <= clip.high) {
+            const auto to_face = [&](const dvec3& p) { return (face.offset - glm::dot(face.normal, p)) / slope; };
+            add(s.at(clip.low), to_face(s.at(clip.low)), segment_name(clip.low, clip.low_edge));
+            add(s.at(clip.high), to_face(s.at(clip.high)), segment_name(clip.high, clip.high_edge));
+        }
+    }
+    const auto near_axis_point = [&](const Candidate& c) {
+        const double du = c.u - glm::dot(axis.on_a, axis_u), dw = c.w - glm::dot(axis.on_a, axis_w);
+        return du * du + dw * dw <= kPointTolerance * kPointTolerance * size * size;
+    };
+    if (axis_point == AxisPoint::Keep && std::none_of(points.begin(), points.end(), near_axis_point)) {
+        const double t = closest_parameter(s, axis.on_a);
+        add(axis.on_a, axis.separation, segment_name(t, axis.feature_b));
+    }
+    std::array<int, kMaxManifoldPoints> chosen{};
+    const int count = reduce_points(points, kPointTolerance * size, chosen);
+    patch.normal = axis.normal;
+    patch.count = 0;
+    for (int i = 0; i < count; ++i) {
+        const Candidate& c = points[static_cast<std::size_t>(chosen[static_cast<std::size_t>(i)])];
+        patch.add(c.position, c.separation, c.feature);
+    }
+}
+
+}  // namespace carom::detail
