@@ -1,0 +1,13 @@
+// A build without viz has no pictures, no frames and no `view`: the options do not exist.
+#include <carom/cli/command.hpp>
+#include <carom/cli/recorder.hpp>
+
+namespace carom::cli {
+
+void add_recorder_options(CLI::App&, RecorderOptions&) {}
+
+std::unique_ptr<Recorder> make_recorder(const RecorderOptions&) { return nullptr; }
+
+void add_view_command(CLI::App&, Action&) {}
+
+}  // namespace carom::cli

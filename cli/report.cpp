@@ -1,0 +1,137 @@
+#include <carom/cli/report.hpp>
+
+#include <carom/cli/build_info.hpp>
+
+#include <carom/core/hash.hpp>
+#include <carom/core/simd_width.hpp>
+
+#include <fmt/format.h>
+
+#include <iterator>
+
+namespace carom::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+template <class T>
+Json or_null(const std::optional<T>& value) {
+    return value ? Json(*value) : Json(nullptr);
+}
+
+Json plan_json(const Plan& plan) {
+    Json stages = Json::array();
+    for (const PlanEntry& entry : plan.entries) {
+        stages.push_back({{"stage", to_string(entry.stage)}, {"run", entry.run}, {"reason", entry.reason}});
+    }
+    return {{"mode", plan.mode == PlanMode::Automatic ? "automatic" : "everything"},
+            {"stages", stages},
+            {"settings", plan.settings}};
+}
+
+Json time_json(const RunRecord& record) {
+    Json by_stage = Json::object();
+    for (Stage stage : all_stages()) {
+        by_stage[to_string(stage)] = record.stage_ms[static_cast<std::size_t>(stage)];
+    }
+    return {{"total", record.total_ms},
+            {"mean_step", or_null(record.mean_step_ms)},
+            {"p99_step", or_null(record.p99_step_ms)},
+            {"by_stage", by_stage}};
+}
+
+Json kind_json(const oracle::PenetrationSummary& end, const std::optional<PeakPenetration>& peak, double PeakPenetration::*kind) {
+    return {{"max", end.maximum}, {"mean", end.mean}, {"pairs", end.pairs}, {"peak", peak ? Json((*peak).*kind) : Json(nullptr)}};
+}
+
+Json error_json(const RunRecord& record) {
+    const oracle::Penetration& now = record.penetration;
+    Json out{{"max_penetration", now.polytopes.maximum},
+             {"mean_penetration", now.polytopes.mean},
+             {"peak_penetration", record.peak ? Json(record.peak->polytopes) : Json(nullptr)},
+             {"round", kind_json(now.round, record.peak, &PeakPenetration::round)},
+             {"terrain", kind_json(now.terrain, record.peak, &PeakPenetration::terrain)},
+             {"energy_drift", record.energy_drift},
+             {"momentum_drift", nullptr},
+             {"angular_momentum_drift", nullptr},
+             {"angular_momentum_magnitude_drift", nullptr},
+             {"escaped", or_null(record.escaped)},
+             {"tunnelled", or_null(record.tunnelled)},
+             {"non_finite", record.non_finite},
+             {"quarantined", record.quarantined},
+             {"undecided", record.undecided},
+             {"overflow", record.overflow},
+             {"deep", record.deep}};
+    if (record.momentum_drift) {
+        out["momentum_drift"] = record.momentum_drift->linear;
+        out["angular_momentum_drift"] = record.momentum_drift->angular;
+        out["angular_momentum_magnitude_drift"] = record.momentum_drift->angular_magnitude;
+    }
+    return out;
+}
+
+std::string count(const char* what, std::size_t n) { return n == 0 ? "" : fmt::format("  {} {}", n, what); }
+
+}  // namespace
+
+Json to_json(const RunRecord& record) {
+    return {{"scene", record.scene},
+            {"seed", record.seed},
+            {"bodies", record.bodies},
+            {"steps", record.steps},
+            {"dt", record.dt},
+            {"substeps", record.substeps},
+            {"threads", record.threads},
+            {"machine", {{"cpu", cpu_model()}, {"cores", cpu_cores()}}},
+            {"build", {{"version", version()}, {"compiler", compiler()}, {"type", build_type()}, {"simd_width", simd_width()}}},
+            {"plan", plan_json(record.plan)},
+            {"time_ms", time_json(record)},
+            {"error", error_json(record)},
+            {"speed", {{"max", or_null(record.max_speed)}, {"mean", or_null(record.mean_speed)}}},
+            {"contacts", record.contacts},
+            {"manifolds", record.manifolds},
+            {"state_hash", to_hex(record.state_hash)}};
+}
+
+std::string summary(const RunRecord& record) {
+    fmt::memory_buffer text;
+    const auto out = std::back_inserter(text);
+    fmt::format_to(out, "{}: {} bodies, {} steps of {:.6g} s with {} substeps, seed {}, {} thread{}, SIMD width {}\n\n", record.scene,
+                   record.bodies, record.steps, record.dt, record.substeps, record.seed, record.threads,
+                   record.threads == 1 ? "" : "s", simd_width());
+    if (record.mean_step_ms) {
+        fmt::format_to(out, "time          mean {:.3f} ms a step, 99 % within {:.3f} ms, {:.2f} s in all\n", *record.mean_step_ms,
+                       *record.p99_step_ms, record.total_ms * 1e-3);
+        for (Stage stage : all_stages()) {
+            const double ms = record.stage_ms[static_cast<std::size_t>(stage)];
+            fmt::format_to(out, "  {:<11} {:9.3f} ms {:5.1f} %\n", to_string(stage), ms / record.steps,
+                           record.total_ms > 0.0 ? 100.0 * ms / record.total_ms : 0.0);
+        }
+    }
+    const auto penetration = [&](const char* kind, const oracle::PenetrationSummary& end, double PeakPenetration::*peak) {
+        fmt::format_to(out, "  {:<22} max {:.3g}  mean {:.3g}  over {} pairs", kind, end.maximum, end.mean, end.pairs);
+        fmt::format_to(out, "{}\n", record.peak ? fmt::format("  peak of the run {:.3g}", (*record.peak).*peak) : "");
+    };
+    fmt::format_to(out, "\npenetration at the end, from poses and shapes [m]\n");
+    penetration("boxes and hulls", record.penetration.polytopes, &PeakPenetration::polytopes);
+    penetration("spheres and capsules", record.penetration.round, &PeakPenetration::round);
+    penetration("meshes and planes", record.penetration.terrain, &PeakPenetration::terrain);
+    fmt::format_to(out, "energy gained {:.3g} of the reference (the rule allows {:g})\n", record.energy_drift, kEnergyRule);
+    if (record.momentum_drift) {
+        fmt::format_to(out, "momentum      off by {:.3g} linear, {:.3g} angular (relative)\n", record.momentum_drift->linear,
+                       record.momentum_drift->angular);
+    }
+    fmt::format_to(out, "escaped       {}", record.escaped ? fmt::to_string(*record.escaped) : "- (the scene has no limits)");
+    fmt::format_to(out, "{}{}{}{}{}{}\n", count("tunnelled", static_cast<std::size_t>(record.tunnelled.value_or(0))),
+                   count("not finite", record.non_finite), count("quarantined", record.quarantined),
+                   count("pairs undecided", record.undecided), count("manifolds beyond the last colour", record.overflow),
+                   count("points with limited push", record.deep));
+    if (record.max_speed) {
+        fmt::format_to(out, "speed         max {:.3g} m/s, mean {:.3g} m/s\n", *record.max_speed, *record.mean_speed);
+    }
+    fmt::format_to(out, "contacts      {} in {} manifolds\nstate hash    {}\n", record.contacts, record.manifolds,
+                   to_hex(record.state_hash));
+    return fmt::to_string(text);
+}
+
+}  // namespace carom::cli

@@ -1,0 +1,102 @@
+#include <carom/cli/scene_arguments.hpp>
+
+#include <carom/cli/make_executor.hpp>
+
+#include <carom/core/types.hpp>
+
+#include <fmt/format.h>
+
+#include <charconv>
+#include <limits>
+#include <utility>
+
+namespace carom::cli {
+namespace {
+
+constexpr std::uint64_t kMostSteps = 1'000'000'000;
+
+bool is_path(const std::string& scene) { return scene.ends_with(".json") || scene.find('/') != std::string::npos; }
+
+Result<std::map<std::string, std::string>> key_values(const std::vector<std::string>& settings) {
+    std::map<std::string, std::string> out;
+    for (const std::string& text : settings) {
+        const std::size_t equals = text.find('=');
+        if (equals == 0 || equals == std::string::npos) {
+            return Error{ErrorCode::Parse, fmt::format("\"{}\" is not of the form KEY=VALUE", text), "--set"};
+        }
+        const std::string key = text.substr(0, equals);
+        if (!out.emplace(key, text.substr(equals + 1)).second) {
+            return Error{ErrorCode::InvalidArgument, fmt::format("\"{}\" is set twice", key), "--set"};
+        }
+    }
+    return out;
+}
+
+Error with_known_names(Error error, const SceneArguments& arguments) {
+    if (error.code == ErrorCode::UnknownName && error.where == "scene") {
+        std::string names;
+        for (const scenes::SceneInfo& info : scenes::catalogue()) {
+            names += (names.empty() ? "" : ", ") + info.name;
+        }
+        error.message = fmt::format("no scene is called \"{}\"; there are {}", arguments.scene, names);
+    }
+    return error;
+}
+
+}  // namespace
+
+CLI::Validator whole_number(std::int64_t lower, std::uint64_t upper) {
+    return {[=](std::string& text) -> std::string {
+                const char* end = text.data() + text.size();
+                std::uint64_t value = 0;
+                const std::from_chars_result parsed = std::from_chars(text.data(), end, value);
+                const bool good = !text.empty() && parsed.ec == std::errc{} && parsed.ptr == end;
+                if (!good || value > upper || (lower > 0 && value < static_cast<std::uint64_t>(lower))) {
+                    return fmt::format("\"{}\" is not a whole number in {}..{}", text, lower, upper);
+                }
+                return {};
+            },
+            ""};
+}
+
+void SceneArguments::add_to(CLI::App& command) {
+    command.add_option("SCENE", scene, "a scene's name (see carom list) or a scene file (.json)")->required();
+    command.add_option("--bodies", bodies, "dynamic bodies; what is not given comes from the scene")
+        ->check(whole_number(0, scenes::kMaxSceneBodies));
+    command.add_option("--steps", steps, "steps")->check(whole_number(0, kMostSteps));
+    command.add_option("--dt", dt, "length of a step [s], > 0");
+    command.add_option("--substeps", substeps, "substeps per step, 1..1024")->check(whole_number(1, 1024));
+    command.add_option("--threads", threads, "threads; results do not depend on it")->check(whole_number(1, 256));
+    command.add_option("--seed", seed, "seed of the scene's random stream")
+        ->check(whole_number(0, std::numeric_limits<std::uint64_t>::max()));
+    command.add_option("--set", set, "a parameter that the scene declares, KEY=VALUE; may be repeated")
+        ->take_all()
+        ->allow_extra_args(false);
+}
+
+Result<LoadedScene> SceneArguments::load() const {
+    if (dt && !is_finite(*dt)) {
+        return Error{ErrorCode::NotFinite, "must be a finite number", "--dt"};
+    }
+    if (dt && *dt <= 0.0) {
+        return Error{ErrorCode::InvalidArgument, fmt::format("must be positive, not {}", *dt), "--dt"};
+    }
+    Result<std::map<std::string, std::string>> settings = key_values(set);
+    if (!settings) return settings.error();
+    Result<std::unique_ptr<Executor>> executor = make_executor(threads);
+    if (!executor) return executor.error();
+
+    scenes::SceneOptions options;
+    options.bodies = bodies;
+    options.seed = seed;
+    options.substeps = substeps;
+    options.set = *settings;
+    options.world.executor = executor->get();
+    Result<scenes::SceneRun> run = is_path(scene) ? scenes::read_scene(scene, options) : scenes::make_scene(scene, options);
+    if (!run) return with_known_names(run.error(), *this);
+    run->steps = steps.value_or(run->steps);
+    run->dt = dt.value_or(run->dt);
+    return LoadedScene{std::move(*executor), std::move(*run)};
+}
+
+}  // namespace carom::cli

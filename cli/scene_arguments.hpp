@@ -1,0 +1,43 @@
+// The options that say which scene and how: the same for run, plan and view.
+//
+//   auto arguments = std::make_shared<SceneArguments>();
+//   arguments->add_to(*subcommand);
+//   Result<LoadedScene> scene = arguments->load();
+#pragma once
+
+#include <carom/cli/command.hpp>
+
+#include <carom/core/executor.hpp>
+#include <carom/scenes/scene.hpp>
+
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace carom::cli {
+
+/// A scene with the executor that its world uses.
+struct LoadedScene {
+    std::unique_ptr<Executor> executor;  // before the world, which must not outlive it
+    scenes::SceneRun run;
+};
+
+struct SceneArguments {
+    std::string scene;                  ///< a name, or a path: whatever ends in .json or has a slash
+    std::optional<int> bodies, steps, substeps;
+    std::optional<double> dt;           ///< [s]
+    std::optional<std::uint64_t> seed;
+    std::vector<std::string> set;       ///< KEY=VALUE
+    int threads = 1;
+
+    void add_to(CLI::App& command);
+    /// Checks the options and builds the scene. @return an error that names the option, or the place in the file.
+    [[nodiscard]] Result<LoadedScene> load() const;
+};
+
+/// A check for options that takes whole numbers from `lower` to `upper` and nothing else (no sign wrap-around, no exponent).
+[[nodiscard]] CLI::Validator whole_number(std::int64_t lower, std::uint64_t upper);
+
+}  // namespace carom::cli

@@ -1,0 +1,150 @@
+#include <carom/cli/simulate.hpp>
+
+#include <carom/core/types.hpp>
+
+#include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+#include <vector>
+
+namespace carom::cli {
+namespace {
+
+// What is gathered step by step.
+class Observer {
+public:
+    Observer(const scenes::SceneRun& run, int peak_every)
+        : domain_(run.domain), peak_every_(peak_every), energy_(run.world), momentum_(run.world) {
+        look(run.world, 0);
+    }
+
+    void bodies_changed(const World& world) {
+        energy_.bodies_changed(world);
+        momentum_.bodies_changed(world);
+    }
+
+    void stepped(const World& world, const StepReport& report, int done) {
+        energy_.stepped(world);
+        momentum_.stepped(world);
+        step_ms_.push_back(report.total_ms);
+        for (std::size_t i = 0; i < kStageCount; ++i) {
+            stage_ms_[i] += report.stage_ms[i];
+        }
+        quarantined_.insert(report.quarantined.begin(), report.quarantined.end());
+        undecided_ += report.undecided;
+        overflow_ += report.overflow;
+        deep_ += report.deep;
+        contacts_ = report.contacts;
+        manifolds_ = report.manifolds;
+        look(world, done);
+    }
+
+    void write(RunRecord& record) const {
+        record.stage_ms = stage_ms_;
+        for (double ms : step_ms_) {
+            record.total_ms += ms;
+        }
+        if (!step_ms_.empty()) {
+            std::vector<double> sorted = step_ms_;
+            std::sort(sorted.begin(), sorted.end());
+            // Nearest rank: the smallest time that 99 % of the steps do not exceed.
+            const std::size_t rank = (99 * sorted.size() + 99) / 100;
+            record.p99_step_ms = sorted[rank - 1];
+            record.mean_step_ms = record.total_ms / static_cast<double>(sorted.size());
+        }
+        if (peak_every_ > 0) record.peak = peak_;
+        record.energy_drift = energy_.drift();
+        record.momentum_drift = momentum_.drift();
+        if (!is_empty(domain_)) record.escaped = escaped_.size();
+        record.quarantined = quarantined_.size();
+        record.undecided = undecided_;
+        record.overflow = overflow_;
+        record.deep = deep_;
+        record.contacts = contacts_;
+        record.manifolds = manifolds_;
+    }
+
+private:
+    void look(const World& world, int done) {
+        if (peak_every_ > 0 && done % peak_every_ == 0) {
+            const oracle::Penetration now = oracle::geometric_penetration(world);
+            peak_.polytopes = std::max(peak_.polytopes, now.polytopes.maximum);
+            peak_.round = std::max(peak_.round, now.round.maximum);
+            peak_.terrain = std::max(peak_.terrain, now.terrain.maximum);
+        }
+        if (is_empty(domain_)) return;
+        for (BodyId body : world.bodies()) {
+            if (world.type(body) != BodyType::Dynamic) continue;
+            const dvec3 center = world.center_of_mass(body);
+            const bool inside = glm::all(glm::greaterThanEqual(center, domain_.lower)) &&
+                                glm::all(glm::lessThanEqual(center, domain_.upper));
+            if (!inside) escaped_.insert(body);
+        }
+    }
+
+    Aabb domain_;
+    int peak_every_;
+    oracle::EnergyLedger energy_;
+    oracle::MomentumLedger momentum_;
+    PeakPenetration peak_;
+    std::vector<double> step_ms_;
+    std::array<double, kStageCount> stage_ms_{};
+    std::set<BodyId> escaped_, quarantined_;
+    std::size_t undecided_ = 0, overflow_ = 0, deep_ = 0, contacts_ = 0, manifolds_ = 0;
+};
+
+// Bodies, speeds and hash of the last state.
+void look_at_end(const scenes::SceneRun& run, RunRecord& record) {
+    const World& world = run.world;
+    double sum = 0.0, most = 0.0;
+    for (BodyId body : world.bodies()) {
+        const Pose pose = world.pose(body);
+        const dvec3 velocity = world.linear_velocity(body);
+        const bool finite = is_finite(pose.position) && is_finite(pose.orientation) && is_finite(velocity) &&
+                            is_finite(world.angular_velocity(body));
+        record.non_finite += finite ? 0 : 1;
+        if (world.type(body) != BodyType::Dynamic) continue;
+        ++record.bodies;
+        sum += glm::length(velocity);
+        most = std::max(most, glm::length(velocity));
+    }
+    if (record.bodies > 0) {
+        record.max_speed = most;
+        record.mean_speed = sum / static_cast<double>(record.bodies);
+    }
+    if (run.tunnelled) record.tunnelled = run.tunnelled(world);
+    record.penetration = oracle::geometric_penetration(world);
+    record.state_hash = world.state_hash();
+    record.plan = world.plan();
+}
+
+}  // namespace
+
+Result<RunRecord> simulate(scenes::SceneRun& run, const SimulateSettings& settings) {
+    RunRecord record;
+    record.scene = run.name;
+    record.seed = run.seed;
+    record.steps = run.steps;
+    record.dt = run.dt;
+    record.substeps = run.world.settings().substeps;
+    record.threads = settings.threads;
+
+    Observer observer(run, settings.peak_every);
+    for (int i = 0; i < run.steps; ++i) {
+        run.before_step(i);
+        observer.bodies_changed(run.world);
+        const StepReport report = run.world.step(run.dt);
+        observer.stepped(run.world, report, i + 1);
+        if (settings.after_step) {
+            if (Status status = settings.after_step(i + 1); !status) return status.error();
+        }
+    }
+    observer.write(record);
+    look_at_end(run, record);
+    return record;
+}
+
+}  // namespace carom::cli
