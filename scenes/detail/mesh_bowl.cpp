@@ -22,7 +22,7 @@ double height(double x, double z) {
 }
 
 Result<TriangleMeshPtr> bowl() {
-    const MeshData grid = height_grid(kQuads, kQuads, kQuad, height);
+    const MeshData grid = height_grid(kQuads, kQuads, kQuad, [](double x, double z) { return height(x, z); });
     return TriangleMesh::build(grid.vertices, grid.triangles);
 }
 
