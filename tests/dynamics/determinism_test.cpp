@@ -1,0 +1,158 @@
+// The same bits on every number of threads, at every SIMD width, with the automatic plan and with everything on; and no
+// allocation once warm.
+#include <carom/dynamics/world.hpp>
+
+#include <carom/core/random.hpp>
+#include <carom/core/simd_width.hpp>
+#include <carom/core/math.hpp>
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+#include <thread>
+#include <vector>
+
+namespace {
+std::atomic<std::size_t> g_allocations{0};
+}
+void* operator new(std::size_t size) {
+    ++g_allocations;
+    if (void* p = std::malloc(size)) return p;
+    throw std::bad_alloc();
+}
+void* operator new(std::size_t size, std::align_val_t alignment) {
+    ++g_allocations;
+    const auto a = static_cast<std::size_t>(alignment);
+    if (void* p = std::aligned_alloc(a, (size + a - 1) / a * a)) return p;
+    throw std::bad_alloc();
+}
+void operator delete(void* p) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t) noexcept { std::free(p); }
+void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
+void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
+
+namespace carom {
+namespace {
+
+/// Cuts every loop into many pieces and runs them on several threads, last piece first.
+class ShuffledExecutor final : public Executor {
+public:
+    explicit ShuffledExecutor(int threads) : threads_(threads) {}
+    [[nodiscard]] int thread_count() const noexcept override { return threads_; }
+    void parallel_for(std::size_t count, std::size_t grain, Body body) override {
+        const std::size_t pieces = (count + grain - 1) / grain;
+        std::atomic<std::size_t> left{pieces};
+        const auto work = [&] {
+            for (;;) {
+                const std::size_t taken = left.fetch_sub(1);
+                if (taken == 0 || taken > pieces) return;
+                const std::size_t begin = (taken - 1) * grain;
+                body(begin, std::min(begin + grain, count));
+            }
+        };
+        std::vector<std::thread> others;
+        for (int i = 1; i < threads_ && pieces > 1; ++i) others.emplace_back(work);
+        work();
+        for (std::thread& t : others) t.join();
+    }
+
+private:
+    int threads_;
+};
+
+World make_pile(const WorldDef& def) {
+    World world(def);
+    const BodyId ground = world.create_body({.type = BodyType::Static, .position = {0, -0.5, 0}});
+    world.add_shape(ground, Box{{20, 0.5f, 20}});
+    Random random(99);
+    for (int i = 0; i < 120; ++i) {
+        const dvec3 at{random.range(-2, 2), 0.5 + 0.25 * i, random.range(-2, 2)};
+        const BodyId body = world.create_body({.position = at,
+                                               .orientation = rotation_from_vector({random.unit(), random.unit(), 0.0}),
+                                               .angular_velocity = {random.unit(), 0.0, random.unit()}});
+        const auto size = static_cast<float>(random.range(0.25, 0.5));
+        const ShapeDef material{.restitution = i % 7 == 0 ? 0.4f : 0.0f};
+        switch (i % 3) {
+            case 0: world.add_shape(body, Sphere{size}, material); break;
+            case 1: world.add_shape(body, Box{{size, 0.4f, 0.3f}}, material); break;
+            default: world.add_shape(body, Capsule{0.25f, size}, material); break;
+        }
+    }
+    return world;
+}
+
+std::uint64_t hash_after(World world, int steps) {
+    for (int i = 0; i < steps; ++i) world.step(1.0 / 60.0);
+    return world.state_hash();
+}
+
+TEST(Determinism, SameBitsTwice) { EXPECT_EQ(hash_after(make_pile({}), 120), hash_after(make_pile({}), 120)); }
+
+TEST(Determinism, SameBitsOnEveryNumberOfThreads) {
+    const std::uint64_t serial = hash_after(make_pile({}), 60);
+    for (const int threads : {2, 4}) {
+        ShuffledExecutor executor(threads);
+        EXPECT_EQ(hash_after(make_pile({.executor = &executor}), 60), serial) << threads << " threads";
+    }
+}
+
+TEST(Determinism, SameBitsAtEverySimdWidth) {
+    const std::uint64_t best = hash_after(make_pile({}), 120);
+    for (const int width : available_simd_widths()) {
+        set_simd_width(width);
+        EXPECT_EQ(hash_after(make_pile({}), 120), best) << "width " << width;
+    }
+    set_simd_width(0);
+}
+
+TEST(Determinism, SameBitsWithEveryBroadphase) {
+    EXPECT_EQ(hash_after(make_pile({.broadphase = BroadphaseMethod::BruteForce}), 60),
+              hash_after(make_pile({.broadphase = BroadphaseMethod::SweepAndPrune}), 60));
+}
+
+TEST(Plan, LeavingOutChangesNoBit) {
+    for (const int bodies : {1, 40}) {
+        const auto run = [&](PlanMode mode) {
+            World world({.plan = mode});
+            Random random(3);
+            for (int i = 0; i < bodies; ++i) {
+                const BodyId b = world.create_body({.position = {random.range(-1, 1), 0.6 * i, random.range(-1, 1)},
+                                                    .angular_velocity = {1.0, 0.5 * i, 0.2}});
+                world.add_shape(b, Box{{0.5f, 0.3f, 0.4f}});
+            }
+            std::vector<std::uint64_t> hashes;
+            for (int i = 0; i < 60; ++i) {
+                world.step(1.0 / 60.0);
+                hashes.push_back(world.state_hash());
+            }
+            return hashes;
+        };
+        EXPECT_EQ(run(PlanMode::Automatic), run(PlanMode::Everything)) << bodies << " bodies";
+    }
+}
+
+TEST(Plan, SaysWhatIsSkippedAndWhy) {
+    World world;
+    const BodyId body = world.create_body();
+    world.add_shape(body, Sphere{});
+    for (const PlanEntry& e : world.plan().entries) {
+        const bool needed = e.stage == Stage::Positions || e.stage == Stage::Quarantine;
+        EXPECT_EQ(e.run, needed) << to_string(e.stage);
+        EXPECT_FALSE(e.reason.empty());
+    }
+    world.add_shape(world.create_body({.type = BodyType::Static}), Plane{}, {.restitution = 0.5f});
+    for (const PlanEntry& e : world.plan().entries) EXPECT_TRUE(e.run) << to_string(e.stage);
+}
+
+TEST(Step, AllocatesNothingOnceWarm) {
+    World world = make_pile({});
+    for (int i = 0; i < 400; ++i) world.step(1.0 / 60.0);
+    const std::size_t before = g_allocations;
+    for (int i = 0; i < 60; ++i) world.step(1.0 / 60.0);
+    EXPECT_EQ(g_allocations - before, 0u);
+}
+
+}  // namespace
+}  // namespace carom
