@@ -1,5 +1,6 @@
 #include <carom/collision/detail/bvh.hpp>
 
+#include <algorithm>
 #include <bit>
 #include <limits>
 #include <utility>
@@ -7,7 +8,10 @@
 namespace carom {
 namespace {
 
-constexpr int kBins = 16;
+constexpr int kMostBins = 16;
+
+/// Few bins for few triangles: most nodes are small, and summing up empty bins would take most of the build.
+int bin_count(std::uint32_t triangles) noexcept { return std::min(kMostBins, 4 + static_cast<int>(triangles / 8)); }
 
 /// The next float below `x`, finite.
 float next_below(float x) noexcept {
@@ -69,14 +73,16 @@ vec3 center(const Boxed& b) noexcept {
 
 /// Maps centres on one axis to bins.
 struct Binning {
-    Binning(float lower, float upper) noexcept
-        : origin(static_cast<double>(lower)), scale(kBins / (static_cast<double>(upper) - static_cast<double>(lower))) {}
+    Binning(float lower, float upper, int count) noexcept
+        : origin(static_cast<double>(lower)),
+          scale(count / (static_cast<double>(upper) - static_cast<double>(lower))),
+          last(count - 1) {}
     [[nodiscard]] int bin(float x) const noexcept {
-        const int i = static_cast<int>((static_cast<double>(x) - origin) * scale);
-        return i < kBins ? i : kBins - 1;
+        return std::min(static_cast<int>((static_cast<double>(x) - origin) * scale), last);
     }
     double origin;
     double scale;
+    int last;
 };
 
 }  // namespace
@@ -130,27 +136,28 @@ Bvh::Split Bvh::best_split(std::uint32_t first, std::uint32_t count, const Bound
         Bounds box;
         std::uint32_t count = 0;
     };
+    const auto bin_total = static_cast<std::size_t>(bin_count(count));
     Split best;
     for (int axis = 0; axis < 3; ++axis) {
         if (!(centers.lower[axis] < centers.upper[axis])) {
             continue;
         }
-        const Binning binning(centers.lower[axis], centers.upper[axis]);
-        std::array<Bin, kBins> bins;
+        const Binning binning(centers.lower[axis], centers.upper[axis], static_cast<int>(bin_total));
+        std::array<Bin, kMostBins> bins;
         for (std::uint32_t i = first; i < first + count; ++i) {
             Bin& bin = bins[static_cast<std::size_t>(binning.bin(center(items_[i])[axis]))];
             bin.box.grow({items_[i].lower, items_[i].upper});
             ++bin.count;
         }
-        std::array<double, kBins> right_cost{};  // of bins i.. up to the last
+        std::array<double, kMostBins> right_cost{};  // of bins i.. up to the last
         Bin right;
-        for (std::size_t i = kBins; i-- > 1;) {
+        for (std::size_t i = bin_total; i-- > 1;) {
             right.box.grow(bins[i].box);
             right.count += bins[i].count;
             right_cost[i] = right.count == 0 ? 0.0 : right.count * right.box.half_area();
         }
         Bin left;
-        for (std::size_t i = 0; i + 1 < kBins; ++i) {
+        for (std::size_t i = 0; i + 1 < bin_total; ++i) {
             left.box.grow(bins[i].box);
             left.count += bins[i].count;
             if (left.count == 0 || left.count == count) {
@@ -166,7 +173,7 @@ Bvh::Split Bvh::best_split(std::uint32_t first, std::uint32_t count, const Bound
 }
 
 std::uint32_t Bvh::partition(std::uint32_t first, std::uint32_t count, const Bounds& centers, const Split& split) {
-    const Binning binning(centers.lower[split.axis], centers.upper[split.axis]);
+    const Binning binning(centers.lower[split.axis], centers.upper[split.axis], bin_count(count));
     std::uint32_t begin = first;
     std::uint32_t end = first + count;
     while (begin < end) {

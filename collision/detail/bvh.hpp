@@ -86,11 +86,13 @@ void Bvh::traverse(const RaySlabs& slabs, const double& nearest, Test&& test) co
         std::uint32_t node;
         double distance;
     };
+    // A missed box is infinitely far, and `nearest` may be infinite too.
+    const auto reachable = [&](double distance) { return distance <= nearest && distance < RaySlabs::kMiss; };
     std::array<Entry, kMaxDepth + 1> stack;
     std::size_t size = 0;
     Entry here{0, slabs.enter(nodes_[0].lower, nodes_[0].upper)};
     for (;;) {
-        if (here.distance <= nearest) {
+        if (reachable(here.distance)) {
             const Node& node = nodes_[here.node];
             if (node.count() == 0) {
                 const std::uint32_t left = here.node + 1;
@@ -100,7 +102,7 @@ void Bvh::traverse(const RaySlabs& slabs, const double& nearest, Test&& test) co
                 if (far.distance < near.distance) {
                     std::swap(near, far);
                 }
-                if (far.distance <= nearest) {
+                if (reachable(far.distance)) {
                     stack[size++] = far;
                 }
                 here = near;

@@ -1,7 +1,7 @@
 // A ray against boxes, conservatively: what a triangle's test can accept, the box's test never rejects.
 //
 //   RaySlabs slabs(origin, direction, largest_coordinate);
-//   double t = slabs.enter(lower, upper);      // infinite on a miss
+//   double t = slabs.enter(lower, upper);      // kMiss on a miss
 #pragma once
 
 #include <carom/core/types.hpp>
@@ -19,6 +19,8 @@ namespace carom {
 /// 2^-53 (D + |o|) each; so a ray that the triangle's test lets hit at distance t enters the triangle's box at or before t.
 class RaySlabs {
 public:
+    static constexpr double kMiss = std::numeric_limits<double>::infinity();
+
     /// @param direction  unit length; components may be ±0.
     RaySlabs(const dvec3& origin, const dvec3& direction, double largest_coordinate) noexcept {
         const double reach =
@@ -36,7 +38,7 @@ public:
         }
     }
 
-    /// @return a lower bound of the distance at which the ray enters the box, 0 from inside; infinity where it misses.
+    /// @return a lower bound of the distance at which the ray enters the box, 0 from inside; kMiss where it misses.
     [[nodiscard]] double enter(const vec3& lower, const vec3& upper) const noexcept {
         double t_near = 0.0;
         double t_far = std::numeric_limits<double>::infinity();
@@ -46,7 +48,7 @@ public:
             t_near = std::max(t_near, first * inverse_[k] + near_[k]);
             t_far = std::min(t_far, last * inverse_[k] + far_[k]);
         }
-        return t_near <= t_far ? t_near : std::numeric_limits<double>::infinity();
+        return t_near <= t_far ? t_near : kMiss;
     }
 
 private:

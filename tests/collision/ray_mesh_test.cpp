@@ -1,4 +1,5 @@
 // Rays against meshes: the hierarchy against brute force, and watertightness at edges and vertices.
+#include <carom/collision/detail/bvh.hpp>
 #include <carom/collision/detail/ray_triangle.hpp>
 #include <carom/collision/ray_cast.hpp>
 #include <carom/collision/triangle_mesh.hpp>
@@ -105,6 +106,28 @@ TEST(RayMesh, TheHierarchyFindsWhatBruteForceFinds) {
         }
     }
     EXPECT_GT(hits, 800);
+}
+
+TEST(RayMesh, ARayLooksAtFewTriangles) {
+    Random random(309);
+    const TriangleMeshPtr mesh = build(test::terrain(64, 0.25));
+    constexpr int kRays = 500;
+    int looked_at = 0;
+    for (int i = 0; i < kRays; ++i) {
+        const dvec3 origin{random.range(-4.0, 4.0), 5.0, random.range(-4.0, 4.0)};
+        const dvec3 direction = glm::normalize(dvec3{random.range(-1.0, 1.0), -2.0, random.range(-1.0, 1.0)});
+        const RayFrame frame(origin, direction);
+        double nearest = std::numeric_limits<double>::infinity();
+        mesh->bvh().traverse(RaySlabs(origin, direction, 10.0), nearest, [&](std::uint32_t t) {
+            ++looked_at;
+            const auto [a, b, c] = mesh->corners(t);
+            if (const auto crossing = intersect(frame, a, b, c); crossing && crossing->distance < nearest) {
+                nearest = crossing->distance;
+            }
+        });
+        EXPECT_TRUE(std::isfinite(nearest));
+    }
+    EXPECT_LT(looked_at, 20 * kRays) << "of 8192 triangles";
 }
 
 TEST(RayMesh, SoupOfNeedlesAndSpecksToo) {
