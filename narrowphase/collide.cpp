@@ -1,3 +1,4 @@
+// One pair at a time.
 #include <carom/core/check.hpp>
 #include <carom/narrowphase/collide.hpp>
 #include <carom/narrowphase/detail/check_pair.hpp>
@@ -6,8 +7,8 @@
 namespace carom {
 
 CollideStatus collide(const ShapePair& pair, std::uint32_t index, std::vector<Manifold>& out) {
-    const char* fault = detail::fault_of(pair);
-    CAROM_REQUIRE(fault == nullptr, ErrorCode::InvalidArgument, fault, CollideStatus::Ok);
+    const detail::PairFault fault = detail::fault_of(pair);
+    CAROM_REQUIRE(fault.what == nullptr, fault.code, fault.what, CollideStatus::Ok);
     const detail::KernelEntry& entry = detail::kernel_for(type_of(*pair.a), type_of(*pair.b));
     return detail::run_pair(pair, entry, index, detail::thread_workspace(), out);
 }

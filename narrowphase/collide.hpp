@@ -35,10 +35,17 @@ enum class CollideStatus : unsigned char {
 [[nodiscard]] bool can_collide(ShapeType a, ShapeType b) noexcept;
 
 /// Appends the manifolds of one pair to `out`, with `pair` = `index`. No manifold means: farther apart than the margin.
-/// Frame: world axes; see Manifold. Swapping a and b flips the normal and keeps points and separations.
-/// Accuracy: separations 1e-6 of the larger shape's size; depth is the least over the separating axes, never less
-/// than the true overlap by more than that. Evaluated in double relative to A, so the distance from the origin does not matter.
-/// Misuse (null shape, non-finite pose, negative margin, a pair without a kernel) is reported and appends nothing.
+/// Frame: world axes about A's origin; see Manifold. Swapping a and b flips the normal and keeps points and separations.
+///
+/// What is reported: where the shapes overlap, the least depth over all directions (for a mesh, over those its surface allows); where
+/// they are apart, their distance, except that two boxes give the greatest separation over their axes, a lower bound that is the
+/// distance unless corners face each other. A body on a flat or nearly flat stretch of a mesh has one manifold; a mesh has two
+/// sides, and pushes to the one on which the shape's centre lies.
+/// Accuracy: 1e-6 of the larger shape's size, of a mesh the convex shape's. Computed in double in the frame of one of the two, so the
+/// distance from the world's origin does not matter; positions are rounded to float about A, so let A be the smaller.
+/// Misuse (null shape, non-finite pose, negative or non-finite margin, a pair without a kernel) is reported and appends nothing.
+/// Cost: O(1) for round shapes, boxes and planes; hulls O(F V + E E); meshes O(log m + triangles near). Allocates only while buffers
+/// of the calling thread grow. Thread-safe.
 CollideStatus collide(const ShapePair& pair, std::uint32_t index, std::vector<Manifold>& out);
 
 /// Buffers of the batch, kept between calls so that nothing is allocated once warm.

@@ -1,31 +1,118 @@
-// Many pairs at once: sorted by kernel, run in ranges, laid out in the order of the pairs.
+// Many pairs at once: sorted by kernel, run in chunks of fixed length, laid out in the order of the pairs.
 #include <carom/core/check.hpp>
 #include <carom/narrowphase/collide.hpp>
 #include <carom/narrowphase/detail/check_pair.hpp>
 #include <carom/narrowphase/detail/workspace.hpp>
 
-namespace carom {
+#include <algorithm>
+#include <array>
 
-struct CollideScratch::Data {};
+namespace carom {
+namespace {
+
+// Pairs a chunk: enough to hide what a chunk costs, few enough to share among threads. It fixes where results lie, so that neither
+// threads nor grain can change them.
+constexpr std::size_t kChunk = 128;
+constexpr std::size_t kKinds = static_cast<std::size_t>(kShapeTypeCount) * static_cast<std::size_t>(kShapeTypeCount);
+
+std::size_t kind_of(const ShapePair& pair) noexcept {
+    return pair.a->index() * static_cast<std::size_t>(kShapeTypeCount) + pair.b->index();
+}
+
+struct Chunk {
+    std::vector<Manifold> manifolds;
+    std::size_t undecided = 0;
+};
+
+// Where the manifolds of a pair are: in a chunk at first, then in the result.
+struct Place {
+    std::uint32_t chunk = 0;
+    std::uint32_t first = 0;
+    std::uint32_t count = 0;
+};
+
+}  // namespace
+
+struct CollideScratch::Data {
+    std::vector<std::uint32_t> order;
+    std::vector<Place> places;
+    std::vector<std::size_t> starts;
+    std::vector<Chunk> chunks;
+};
+
 CollideScratch::CollideScratch() : data_(std::make_unique<Data>()) {}
 CollideScratch::~CollideScratch() = default;
 CollideScratch::CollideScratch(CollideScratch&&) noexcept = default;
 CollideScratch& CollideScratch::operator=(CollideScratch&&) noexcept = default;
 
-CollideCounts collide(std::span<const ShapePair> pairs, Executor&, CollideScratch&, std::vector<Manifold>& out) {
+struct CollideBatch {
+    std::span<const ShapePair> pairs;
+    Executor& executor;
+    CollideScratch::Data& data;
+
+    static CollideScratch::Data& data_of(CollideScratch& scratch) {
+        if (scratch.data_ == nullptr) scratch.data_ = std::make_unique<CollideScratch::Data>();  // it was moved from
+        return *scratch.data_;
+    }
+
+    // Counting sort, stable: neighbours in the order run the same kernel.
+    void sort_by_kernel() {
+        std::array<std::uint32_t, kKinds + 1> starts{};
+        for (const ShapePair& pair : pairs) ++starts[kind_of(pair) + 1];
+        for (std::size_t k = 0; k < kKinds; ++k) starts[k + 1] += starts[k];
+        data.order.resize(pairs.size());
+        for (std::size_t i = 0; i < pairs.size(); ++i) data.order[starts[kind_of(pairs[i])]++] = static_cast<std::uint32_t>(i);
+    }
+
+    void run_chunk(std::size_t index) {
+        Chunk& chunk = data.chunks[index];
+        chunk.manifolds.clear();
+        chunk.undecided = 0;
+        detail::Workspace& workspace = detail::thread_workspace();
+        const std::size_t end = std::min(pairs.size(), (index + 1) * kChunk);
+        for (std::size_t k = index * kChunk; k < end; ++k) {
+            const std::uint32_t i = data.order[k];
+            const detail::KernelEntry& entry = detail::kernel_for(type_of(*pairs[i].a), type_of(*pairs[i].b));
+            const auto first = static_cast<std::uint32_t>(chunk.manifolds.size());
+            const CollideStatus status = detail::run_pair(pairs[i], entry, i, workspace, chunk.manifolds);
+            const auto count = static_cast<std::uint32_t>(chunk.manifolds.size()) - first;
+            data.places[i] = {static_cast<std::uint32_t>(index), first, count};
+            if (status != CollideStatus::Ok) ++chunk.undecided;
+        }
+    }
+
+    CollideCounts run(std::vector<Manifold>& out) {
+        sort_by_kernel();
+        const std::size_t chunk_count = (pairs.size() + kChunk - 1) / kChunk;
+        if (data.chunks.size() < chunk_count) data.chunks.resize(chunk_count);
+        data.places.resize(pairs.size());
+        executor.parallel_for(chunk_count, 1, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t c = begin; c < end; ++c) run_chunk(c);
+        });
+
+        data.starts.resize(pairs.size() + 1);
+        data.starts[0] = 0;
+        for (std::size_t i = 0; i < pairs.size(); ++i) data.starts[i + 1] = data.starts[i] + data.places[i].count;
+        out.resize(data.starts.back());
+        executor.parallel_for(pairs.size(), 1024, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                const Place& place = data.places[i];
+                const Manifold* from = data.chunks[place.chunk].manifolds.data() + place.first;
+                std::copy(from, from + place.count, out.data() + data.starts[i]);
+            }
+        });
+        CollideCounts counts;
+        for (std::size_t c = 0; c < chunk_count; ++c) counts.undecided += data.chunks[c].undecided;
+        return counts;
+    }
+};
+
+CollideCounts collide(std::span<const ShapePair> pairs, Executor& executor, CollideScratch& scratch, std::vector<Manifold>& out) {
     for (const ShapePair& pair : pairs) {
-        const char* fault = detail::fault_of(pair);
-        CAROM_REQUIRE(fault == nullptr, ErrorCode::InvalidArgument, fault, CollideCounts{});
+        const detail::PairFault fault = detail::fault_of(pair);
+        CAROM_REQUIRE(fault.what == nullptr, fault.code, fault.what, CollideCounts{});
     }
-    out.clear();
-    CollideCounts counts;
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-        const detail::KernelEntry& entry = detail::kernel_for(type_of(*pairs[i].a), type_of(*pairs[i].b));
-        const CollideStatus status =
-            detail::run_pair(pairs[i], entry, static_cast<std::uint32_t>(i), detail::thread_workspace(), out);
-        if (status != CollideStatus::Ok) ++counts.undecided;
-    }
-    return counts;
+    return CollideBatch{pairs, executor, CollideBatch::data_of(scratch)}.run(out);
 }
 
 }  // namespace carom

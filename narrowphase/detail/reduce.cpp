@@ -1,87 +1,86 @@
 #include <carom/narrowphase/detail/reduce.hpp>
 
+#include <algorithm>
+#include <cmath>
+
 namespace carom::detail {
 namespace {
+
+using Chosen = std::array<int, kMaxManifoldPoints>;
+
+const Candidate& at(std::span<const Candidate> candidates, int i) noexcept { return candidates[static_cast<std::size_t>(i)]; }
+
+double distance_sq(const Candidate& a, const Candidate& b) noexcept {
+    return (b.u - a.u) * (b.u - a.u) + (b.w - a.w) * (b.w - a.w);
+}
 
 // Twice the signed area of the triangle (a, b, c).
 double area2(const Candidate& a, const Candidate& b, const Candidate& c) noexcept {
     return (b.u - a.u) * (c.w - a.w) - (b.w - a.w) * (c.u - a.u);
 }
 
-// The deepest; among equals the farthest along a direction that is parallel to no edge of the usual patches, which makes it a corner.
-int deepest(std::span<const Candidate> candidates, double tolerance) noexcept {
-    double least = candidates[0].separation;
-    for (const Candidate& c : candidates) least = c.separation < least ? c.separation : least;
+// The index with the largest score, if that is over `least`; otherwise -1. Ties go to the lower index.
+template <class Score>
+int best_of(std::span<const Candidate> candidates, double least, const Score& score) noexcept {
     int best = -1;
-    double best_extent = 0.0;
     for (std::size_t i = 0; i < candidates.size(); ++i) {
-        if (candidates[i].separation > least + tolerance) continue;
-        const double extent = candidates[i].u + 0.381966 * candidates[i].w;
-        if (best < 0 || extent > best_extent) {
+        const double s = score(candidates[i]);
+        if (s > least) {
+            least = s;
             best = static_cast<int>(i);
-            best_extent = extent;
         }
     }
     return best;
 }
 
-}  // namespace
-
-int reduce_points(std::span<const Candidate> candidates, double tolerance,
-                  std::array<int, kMaxManifoldPoints>& chosen) noexcept {
-    if (candidates.empty()) return 0;
-    const auto at = [&](int i) -> const Candidate& { return candidates[static_cast<std::size_t>(i)]; };
-    const int n = static_cast<int>(candidates.size());
-    chosen[0] = deepest(candidates, tolerance);
-    const Candidate& a = at(chosen[0]);
-
-    double far = tolerance * tolerance;
-    chosen[1] = -1;
-    for (int i = 0; i < n; ++i) {
-        const double du = at(i).u - a.u, dw = at(i).w - a.w;
-        if (du * du + dw * dw > far) {
-            far = du * du + dw * dw;
-            chosen[1] = i;
-        }
-    }
+// Up to four corners of the outline.
+int choose_outline(std::span<const Candidate> candidates, double tolerance, Chosen& chosen) noexcept {
+    // A direction that is parallel to no edge of the usual patches, so that a corner is farthest along it.
+    const auto along = [](const Candidate& c) { return c.u + 0.381966 * c.w; };
+    chosen[0] = std::max(0, best_of(candidates, along(candidates[0]), along));
+    const Candidate& a = at(candidates, chosen[0]);
+    chosen[1] = best_of(candidates, tolerance * tolerance, [&](const Candidate& c) { return distance_sq(a, c); });
     if (chosen[1] < 0) return 1;
-    const Candidate& b = at(chosen[1]);
+    const Candidate& b = at(candidates, chosen[1]);
 
-    // The farthest point on either side of the line a, b; an area counts from the tolerance times the length of the line on.
-    const double length = (b.u - a.u > 0 ? b.u - a.u : a.u - b.u) + (b.w - a.w > 0 ? b.w - a.w : a.w - b.w);
-    const double least_area = tolerance * length;
-    double left = least_area, right = -least_area;
-    int left_index = -1, right_index = -1;
-    for (int i = 0; i < n; ++i) {
-        const double area = area2(a, b, at(i));
-        if (area > left) {
-            left = area;
-            left_index = i;
-        } else if (area < right) {
-            right = area;
-            right_index = i;
-        }
-    }
-    if (left_index < 0 && right_index < 0) return 2;
-    chosen[2] = left > -right ? left_index : right_index;
-    const Candidate& c = at(chosen[2]);
+    // An area counts from the tolerance times the longest side on.
+    const double least = tolerance * std::sqrt(distance_sq(a, b));
+    const int left = best_of(candidates, least, [&](const Candidate& c) { return area2(a, b, c); });
+    const int right = best_of(candidates, least, [&](const Candidate& c) { return -area2(a, b, c); });
+    if (left < 0 && right < 0) return 2;
+    const bool is_left = right < 0 || (left >= 0 && area2(a, b, at(candidates, left)) >= -area2(a, b, at(candidates, right)));
+    chosen[2] = is_left ? left : right;
+    const Candidate& c = at(candidates, chosen[2]);
 
     // What lies outside the triangle adds the area of the triangle that it makes with the edge it sees.
-    const double turn = left > -right ? 1.0 : -1.0;
-    double gain = least_area;
-    chosen[3] = -1;
-    for (int i = 0; i < n; ++i) {
-        const double outside_ab = -turn * area2(a, b, at(i));
-        const double outside_bc = -turn * area2(b, c, at(i));
-        const double outside_ca = -turn * area2(c, a, at(i));
-        const double outside = outside_ab > outside_bc ? (outside_ab > outside_ca ? outside_ab : outside_ca)
-                                                       : (outside_bc > outside_ca ? outside_bc : outside_ca);
-        if (outside > gain) {
-            gain = outside;
-            chosen[3] = i;
-        }
-    }
+    const double turn = is_left ? -1.0 : 1.0;
+    chosen[3] = best_of(candidates, least, [&](const Candidate& d) {
+        return std::max({turn * area2(a, b, d), turn * area2(b, c, d), turn * area2(c, a, d)});
+    });
     return chosen[3] < 0 ? 3 : 4;
+}
+
+}  // namespace
+
+int reduce_points(std::span<const Candidate> candidates, double tolerance, Chosen& chosen) noexcept {
+    if (candidates.empty()) return 0;
+    int count = choose_outline(candidates, tolerance, chosen);
+    double least = at(candidates, chosen[0]).separation;
+    for (int i = 1; i < count; ++i) least = std::min(least, at(candidates, chosen[static_cast<std::size_t>(i)]).separation);
+    const int deepest = best_of(candidates, tolerance - least, [](const Candidate& c) { return -c.separation; });
+    if (deepest < 0) return count;
+    const Candidate& d = at(candidates, deepest);
+    std::size_t nearest = 0;
+    for (std::size_t i = 1; i < static_cast<std::size_t>(count); ++i) {
+        if (distance_sq(at(candidates, chosen[i]), d) < distance_sq(at(candidates, chosen[nearest]), d)) nearest = i;
+    }
+    const bool same_place = distance_sq(at(candidates, chosen[nearest]), d) <= tolerance * tolerance;
+    if (count < kMaxManifoldPoints && !same_place) {
+        chosen[static_cast<std::size_t>(count++)] = deepest;
+    } else {
+        chosen[nearest] = deepest;
+    }
+    return count;
 }
 
 }  // namespace carom::detail

@@ -21,10 +21,10 @@ struct Candidate {
     std::uint64_t feature = 0;
 };
 
-/// Chooses up to four points: the deepest, the farthest from it, the one that spans the largest triangle with them, and the one that
-/// adds most area to that. The deepest is always among them.
-/// Ties within `tolerance` [m], and points within it of one another, are decided by position, not by rounding: a flat patch gives
-/// its corners whatever points lie between them.
+/// Chooses up to four points: the farthest in a fixed direction, the farthest from that, the one that spans the largest triangle with
+/// them, and the one that adds most area to it. Where the deepest of all is deeper than these by more than `tolerance`, it replaces
+/// the nearest of them. So the choice hangs on the outline, which is steady, and depth changes one point at most.
+/// Points within `tolerance` [m] of one another are one; a flat patch gives its corners whatever points lie between them.
 /// @return how many indices of `chosen` are in use, 1..4; 0 for no candidates. The same for the same order of candidates.
 int reduce_points(std::span<const Candidate> candidates, double tolerance,
                   std::array<int, kMaxManifoldPoints>& chosen) noexcept;

@@ -94,7 +94,7 @@ void check_pair(ShapeType ta, ShapeType tb, int count) {
 TEST(ConvexPairs, SeparationIsThatOfBruteForce) {
     for (const ShapeType a : kConvex) {
         for (const ShapeType b : kConvex) {
-            check_pair(a, b, a == ShapeType::ConvexHull && b == ShapeType::ConvexHull ? 400 : 800);
+            check_pair(a, b, a == ShapeType::ConvexHull && b == ShapeType::ConvexHull ? 250 : 500);
             if (HasFatalFailure()) return;
         }
     }

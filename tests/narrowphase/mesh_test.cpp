@@ -132,12 +132,14 @@ TEST(Mesh, RidgesPushOutwardsAndStepsSideways) {
     // Standing in the corner: one manifold for the tread, one for the riser.
     m = collide_all(crate, {{-0.499, 0.749, 0.1}, kIdentityRotation}, step, {}, 0.01f);
     ASSERT_EQ(m.size(), 2u);
-    // Balanced over the ridge, tilted: the ridge pushes along the box's own face.
-    const dquat tilt = about({0, 0, 1}, -0.25 * kPi);
+    // On the ridge of the step, tilted by 45 degrees: the ridge pushes along the box's own face.
+    const dquat tilt = about({0, 0, 1}, 0.25 * kPi);
     const dvec3 up = rotate(tilt, dvec3{0, 1, 0});
-    m = collide_all(crate, {dvec3{0, 1, 0} + 0.749 * (-1.0) * -up, tilt}, step, {}, 0.01f);
-    ASSERT_FALSE(m.empty());
-    EXPECT_NEAR(glm::dot(dvec3(m[0].normal), up), -1.0, 2.0);
+    m = collide_all(crate, {dvec3{0, 1, 0} + 0.749 * up, tilt}, step, {}, 0.01f);
+    ASSERT_EQ(m.size(), 1u);
+    EXPECT_EQ(m[0].count, 2u);
+    EXPECT_NEAR(glm::dot(dvec3(m[0].normal), up), -1.0, 1e-6);
+    EXPECT_NEAR(least_separation(m[0]), -0.001f, 1e-6f);
 }
 
 TEST(Mesh, HugeTriangleUnderTinyShapes) {
