@@ -23,10 +23,10 @@ inline constexpr int kMaxSceneBodies = 1'000'000;
 
 /// What a user may choose; what is not given comes from the scene.
 struct SceneOptions {
-    std::optional<int> bodies;              ///< how many dynamic bodies, 0..kMaxSceneBodies; what a scene cannot meet is an error
-    std::optional<std::uint64_t> seed;      ///< of the random stream; scenes without one take no notice
-    std::optional<int> substeps;            ///< per step, 1..1024; over the scene file's own and over world.substeps
-    std::map<std::string, std::string> set; ///< parameters the scene declares, e.g. {"ratio", "1e4"}
+    std::optional<int> bodies{};            ///< how many dynamic bodies, 0..kMaxSceneBodies; what a scene cannot meet is an error
+    std::optional<std::uint64_t> seed{};     ///< of the random stream; scenes without one take no notice
+    std::optional<int> substeps{};          ///< per step, 1..1024; over the scene file's own and over world.substeps
+    std::map<std::string, std::string> set{};  ///< parameters the scene declares, e.g. {"ratio", "1e4"}
     WorldDef world{};                       ///< executor, substeps, plan mode and the like; gravity is the scene's own
 };
 

@@ -20,7 +20,7 @@ constexpr double kFinestChord = 1e-4;  // of a teapot's size; it then has some h
 template <class T>
 T value_or_fail(const Node& node, Result<T> result) {
     if (!result) fail_at(node, result.error().code, result.error().message);
-    return *std::move(result);
+    return std::move(result).value();
 }
 
 std::vector<vec3> read_points(const Node& node) {

@@ -34,7 +34,7 @@ Result<SceneRun> build_mesh_bowl(const Request& request) {
     const int layers = request.bodies / (kAcross * kAcross) + 1;
     // The lowest point of the mesh is above -4 m.
     run.domain = {{-kHalf, -5.0, -kHalf}, {kHalf, 10.0 + kPitch * layers + 20.0, kHalf}};
-    add_body(run.world, {.type = BodyType::Static, .name = "bowl"}, *std::move(mesh));
+    add_body(run.world, {.type = BodyType::Static, .name = "bowl"}, std::move(mesh).value());
 
     Random random(request.seed);
     for (int i = 0; i < request.bodies; ++i) {

@@ -49,9 +49,9 @@ Result<Aabb> add_landscape(World& world, std::uint64_t seed) {
     Result<TriangleMeshPtr> pot_mesh = TriangleMesh::build(pot->vertices, pot->triangles);
     if (!pot_mesh) return pot_mesh.error();
     const Aabb box = (*ground_mesh)->local_bounds();
-    add_body(world, {.type = BodyType::Static, .name = "ground"}, *std::move(ground_mesh));
+    add_body(world, {.type = BodyType::Static, .name = "ground"}, std::move(ground_mesh).value());
     add_body(world, {.type = BodyType::Static, .position = {0.0, seat_height(ground), 0.0}, .name = "teapot"},
-             *std::move(pot_mesh));
+             std::move(pot_mesh).value());
     return box;
 }
 

@@ -17,7 +17,7 @@ namespace carom::test {
 inline scenes::SceneRun scene(const std::string& name, const scenes::SceneOptions& options = {}) {
     Result<scenes::SceneRun> run = scenes::make_scene(name, options);
     if (!run) throw std::runtime_error(name + ": " + run.error().message);
-    return *std::move(run);
+    return std::move(run).value();
 }
 
 inline std::vector<BodyId> dynamic_bodies(const World& world) {
