@@ -11,15 +11,18 @@
 #include <vtkRenderWindowInteractor.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstdio>
 #include <cstdlib>
 #include <sstream>
+#include <thread>
 #include <utility>
 #include <vector>
 
 namespace carom {
 namespace {
 
+constexpr std::chrono::milliseconds kPatience{10};  // between looks at keyboard and mouse
 constexpr int kClickSlack = 3;  // [pixels] a click may move and still be a click
 
 /// The trackball without VTK's own keys ('q', 'w', 's', 'p' ...), which would do other things than ours.
@@ -58,6 +61,7 @@ struct Viewer::Impl {
     void redraw();
     void step_once();
     void tick();
+    void loop();
     void press(const std::string& key);
     BodyId pick(int x, int y);
     void frame_camera();
@@ -94,8 +98,8 @@ Status Viewer::Impl::open() {
     interactor->SetInteractorStyle(trackball);
     on_event->SetClientData(this);
     on_event->SetCallback(&Impl::dispatch);
-    for (const unsigned long event : {vtkCommand::TimerEvent, vtkCommand::KeyPressEvent, vtkCommand::LeftButtonPressEvent,
-                                      vtkCommand::LeftButtonReleaseEvent}) {
+    for (const unsigned long event :
+         {vtkCommand::KeyPressEvent, vtkCommand::LeftButtonPressEvent, vtkCommand::LeftButtonReleaseEvent}) {
         interactor->AddObserver(event, on_event);
     }
     interactor->Initialize();
@@ -148,6 +152,23 @@ void Viewer::Impl::tick() {
     }
 }
 
+/// VTK's own loop visits every interactor that was ever made, those of windows long gone included; this one serves ours alone.
+void Viewer::Impl::loop() {
+    using Clock = std::chrono::steady_clock;
+    const auto period = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(1.0 / settings.steps_per_second));
+    Clock::time_point due = Clock::now();
+    while (!closed) {
+        interactor->ProcessEvents();
+        closed = closed || interactor->GetDone();  // the window's own close button
+        if (closed) return;
+        if (Clock::now() >= due) {
+            tick();
+            due = std::max(due + period, Clock::now());
+        }
+        std::this_thread::sleep_until(std::min(due, Clock::now() + kPatience));
+    }
+}
+
 void Viewer::Impl::frame_camera() {
     const int* size = canvas->window()->GetSize();  // the window may have been resized
     const double aspect = static_cast<double>(std::max(size[0], 1)) / std::max(size[1], 1);
@@ -156,7 +177,7 @@ void Viewer::Impl::frame_camera() {
 
 void Viewer::Impl::close() {
     closed = true;
-    interactor->TerminateApp();
+    interactor->SetDone(true);
 }
 
 void Viewer::Impl::press(const std::string& key) {
@@ -203,7 +224,6 @@ void Viewer::Impl::handle(unsigned long event) {
     int x = 0, y = 0;
     interactor->GetEventPosition(x, y);
     switch (event) {
-        case vtkCommand::TimerEvent: return tick();
         case vtkCommand::KeyPressEvent: return press(interactor->GetKeySym() != nullptr ? interactor->GetKeySym() : "");
         case vtkCommand::LeftButtonPressEvent: pressed_x = x, pressed_y = y; return;
         case vtkCommand::LeftButtonReleaseEvent:
@@ -220,7 +240,7 @@ Viewer::Viewer(ViewerSource source, ViewerSettings settings) : impl_(std::make_u
 
 Viewer::~Viewer() {
     if (impl_->interactor == nullptr) return;
-    // Window and interactor refer to each other, and VTK's event loop visits every interactor that is left alive.
+    // Window and interactor refer to each other.
     impl_->interactor->RemoveObserver(impl_->on_event);
     impl_->interactor->SetInteractorStyle(nullptr);
     impl_->interactor->SetRenderWindow(nullptr);
@@ -233,10 +253,7 @@ Status Viewer::open() { return impl_->open(); }
 Status Viewer::run() {
     if (Status s = impl_->open(); !s) return s;
     if (impl_->closed) return impl_->fault;
-    const double period_ms = std::max(1.0, 1000.0 / impl_->settings.steps_per_second);
-    const int timer = impl_->interactor->CreateRepeatingTimer(static_cast<unsigned long>(period_ms));
-    impl_->interactor->Start();
-    impl_->interactor->DestroyTimer(timer);
+    impl_->loop();
     return impl_->fault;
 }
 
