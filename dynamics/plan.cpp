@@ -69,7 +69,7 @@ Plan World::plan() const {
     }
     plan.settings.push_back(std::string("broadphase: ") + to_string(def.broadphase));
     plan.settings.push_back(sentence("substeps: %.0f a step", def.substeps));
-    plan.settings.push_back(sentence("contacts as springs of %.4g Hz, at most an eighth of the substep rate", def.contact_frequency));
+    plan.settings.push_back(sentence("contacts as springs of %.4g Hz, at most a quarter of the substep rate", def.contact_frequency));
     plan.settings.push_back(sentence("overlap is pushed out at %.4g m/s at most", def.max_push_speed));
     return plan;
 }

@@ -21,7 +21,7 @@ struct PlanEntry {
 
 struct Plan {
     PlanMode mode = PlanMode::Automatic;
-    int substeps = 4;
+    int substeps = 8;
     std::vector<PlanEntry> entries;        ///< one for each stage, in order
     std::vector<std::string> settings;     ///< choices that change accuracy, one sentence each
 };

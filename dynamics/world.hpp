@@ -28,11 +28,11 @@ namespace carom {
 
 struct WorldDef {
     dvec3 gravity{0.0, -9.81, 0.0};   ///< [m/s²]
-    int substeps = 4;                 ///< per step, 1..1024
+    int substeps = 8;                 ///< per step, 1..1024
     Executor* executor = nullptr;     ///< null: serial. Not owned; must outlive the world
     BroadphaseMethod broadphase = BroadphaseMethod::SweepAndPrune;
     PlanMode plan = PlanMode::Automatic;
-    double contact_frequency = 30.0;  ///< soft contact [Hz], capped at 1/(8h) of the substep; doubled against static bodies
+    double contact_frequency = 90.0;  ///< soft contact [Hz], at most 1/(4h) of the substep h; doubled against static bodies
     double contact_damping = 10.0;    ///< damping ratio of the soft contact
     double max_push_speed = 4.0;      ///< overlap is removed at this speed at most [m/s]
     bool relax = true;                ///< the pass that takes out the energy of the push

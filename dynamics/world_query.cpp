@@ -50,8 +50,8 @@ ContactView World::contact(std::size_t index) const {
     const Manifold& manifold = impl_->contacts.manifolds[index];
     const dynamics::ContactPair& pair = impl_->contacts.pairs[manifold.pair];
     ContactView view;
-    view.shape_a = {static_cast<std::uint32_t>(pair.key >> 32), static_cast<std::uint32_t>(pair.generations >> 32)};
-    view.shape_b = {static_cast<std::uint32_t>(pair.key), static_cast<std::uint32_t>(pair.generations)};
+    view.shape_a = pair.shape_a;
+    view.shape_b = pair.shape_b;
     view.body_a = pair.body_a;
     view.body_b = pair.body_b;
     view.origin = impl_->shape_pairs[manifold.pair].pose_a.position;

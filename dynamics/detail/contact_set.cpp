@@ -41,7 +41,8 @@ void carry_impulses(ContactSet& contacts, const ContactSet& before) {
         while (old_index < before.pairs.size() && before.pairs[old_index].key < pair.key) ++old_index;
         if (old_index == before.pairs.size()) return;
         const ContactPair& old_pair = before.pairs[old_index];
-        if (old_pair.key == pair.key && old_pair.generations == pair.generations) {
+        // Slots are reused: the same key with another generation is another pair.
+        if (old_pair.key == pair.key && old_pair.shape_a == pair.shape_a && old_pair.shape_b == pair.shape_b) {
             carry_pair(contacts, pair, before, old_pair);
         }
     }

@@ -13,8 +13,8 @@ namespace carom::dynamics {
 
 /// Two shapes that may meet. Pairs are sorted by key.
 struct ContactPair {
-    std::uint64_t key = 0;                 ///< slots of the two shapes, smaller first
-    std::uint64_t generations = 0;         ///< of their ids, in the same order: a reused slot is another shape
+    std::uint64_t key = 0;   ///< slots of the two shapes, and a bit that sorts planes after the rest
+    ShapeId shape_a, shape_b;
     BodyId body_a, body_b;
     std::uint32_t proxy_a = 0, proxy_b = 0;
     std::uint32_t first_manifold = 0, manifold_count = 0;

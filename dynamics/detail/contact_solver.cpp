@@ -29,7 +29,7 @@ void ContactSolver::prepare(const ContactSet& contacts, const ProxySet& proxies,
                             const SolverSettings& settings, Executor& executor) {
     settings_ = settings;
     const double h = settings.substep();
-    const double frequency = std::min(settings.frequency, 0.125 / h);
+    const double frequency = std::min(settings.frequency, 0.25 / h);
     soft_ = soft_contact(frequency, settings.damping, h);
     soft_static_ = soft_contact(2.0 * frequency, settings.damping, h);
 

@@ -22,8 +22,8 @@ namespace carom::dynamics {
 struct SolverSettings {
     dvec3 gravity{0.0};          ///< [m/s²]
     double dt = 0.0;             ///< of the step [s]
-    int substeps = 4;
-    double frequency = 30.0;     ///< of soft contact [Hz]; at most 1/(8h) is used
+    int substeps = 8;
+    double frequency = 90.0;     ///< of soft contact [Hz]; at most 1/(4h) is used
     double damping = 10.0;
     double max_push_speed = 4.0; ///< [m/s]
     [[nodiscard]] double substep() const noexcept { return dt / substeps; }

@@ -29,15 +29,17 @@ Aabb swept_box(const Proxy& proxy, const BodyState& state, const Motion& motion)
 
 std::uint64_t pack(std::uint32_t high, std::uint32_t low) { return (std::uint64_t{high} << 32) | low; }
 
+/// @param b  number of the second proxy: planes follow the bounded ones, and sort after them.
 ContactPair make_pair(const ProxySet& proxies, std::uint32_t a, std::uint32_t b) {
-    if (proxy_at(proxies, b).id.slot < proxy_at(proxies, a).id.slot) std::swap(a, b);
-    const ShapeId id_a = proxy_at(proxies, a).id;
-    const ShapeId id_b = proxy_at(proxies, b).id;
+    const Proxy& first = proxy_at(proxies, a);
+    const Proxy& second = proxy_at(proxies, b);
+    const std::uint32_t plane_bit = b < proxies.bounded.size() ? 0u : 0x80000000u;
     ContactPair pair;
-    pair.key = pack(id_a.slot, id_b.slot);
-    pair.generations = pack(id_a.generation, id_b.generation);
-    pair.body_a = proxy_at(proxies, a).owner;
-    pair.body_b = proxy_at(proxies, b).owner;
+    pair.key = pack(first.id.slot, second.id.slot | plane_bit);
+    pair.shape_a = first.id;
+    pair.shape_b = second.id;
+    pair.body_a = first.owner;
+    pair.body_b = second.owner;
     pair.proxy_a = a;
     pair.proxy_b = b;
     return pair;
@@ -85,24 +87,23 @@ void update_swept_bounds(ProxySet& proxies, const BodyArrays& bodies, const Moti
 
 void gather_pairs(const ProxySet& proxies, const BodyArrays& bodies, std::span<const ProxyPair> found,
                   std::vector<ContactPair>& pairs) {
+    const auto count = static_cast<std::uint32_t>(proxies.bounded.size());
+    std::size_t next = 0;
     pairs.clear();
-    for (const ProxyPair& pair : found) {
-        if (proxies.bounded[pair.a].body == proxies.bounded[pair.b].body) continue;
-        pairs.push_back(make_pair(proxies, pair.a, pair.b));
-    }
-    if (proxies.unbounded.empty()) return;
-    for (std::size_t p = 0; p < proxies.unbounded.size(); ++p) {
-        const Proxy& plane = proxies.unbounded[p];
-        const Pose pose = bodies.states[plane.body].pose * plane.local;
-        for (std::size_t i = 0; i < proxies.bounded.size(); ++i) {
-            if (!proxies.filters[i].movable || !filters_agree(proxies.filters[i], plane.filter)) continue;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        for (; next < found.size() && found[next].a == i; ++next) {
+            if (proxies.bounded[i].body == proxies.bounded[found[next].b].body) continue;
+            pairs.push_back(make_pair(proxies, i, found[next].b));
+        }
+        if (!proxies.filters[i].movable) continue;
+        for (std::uint32_t p = 0; p < proxies.unbounded.size(); ++p) {
+            const Proxy& plane = proxies.unbounded[p];
+            const Pose pose = bodies.states[plane.body].pose * plane.local;
+            if (!filters_agree(proxies.filters[i], plane.filter)) continue;
             if (!reaches(proxies, proxies.boxes[i], pose, std::get<Plane>(*plane.shape))) continue;
-            pairs.push_back(make_pair(proxies, static_cast<std::uint32_t>(i),
-                                      static_cast<std::uint32_t>(proxies.bounded.size() + p)));
+            pairs.push_back(make_pair(proxies, i, count + p));
         }
     }
-    // Keys are unique, so any stable sort gives one order; pairs with planes are few beside the rest.
-    std::stable_sort(pairs.begin(), pairs.end(), [](const ContactPair& a, const ContactPair& b) { return a.key < b.key; });
 }
 
 void list_shape_pairs(const ProxySet& proxies, const BodyArrays& bodies, std::span<const ContactPair> pairs,

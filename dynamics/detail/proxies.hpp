@@ -58,7 +58,7 @@ struct Motion {
 void update_swept_bounds(ProxySet& proxies, const BodyArrays& bodies, const Motion& motion, Executor& executor,
                          std::vector<std::uint32_t>& lost);
 
-/// Joins the broadphase's pairs and the pairs with planes into one list, sorted by key.
+/// Joins the broadphase's pairs, sorted by (a, b), and the pairs with planes into one list, sorted by key.
 void gather_pairs(const ProxySet& proxies, const BodyArrays& bodies, std::span<const ProxyPair> found,
                   std::vector<ContactPair>& pairs);
 

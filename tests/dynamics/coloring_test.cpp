@@ -32,7 +32,9 @@ void expect_valid(const Coloring& coloring, std::span<const ContactRows> rows, s
         for (std::uint32_t i = coloring.starts()[c]; i < coloring.starts()[c + 1]; ++i) {
             const ContactRows& r = rows[coloring.order()[i]];
             for (const std::int32_t row : {r.a, r.b}) {
-                if (row < movable) EXPECT_TRUE(bodies.insert(row).second) << "row twice in colour " << c;
+                if (row < movable) {
+                    EXPECT_TRUE(bodies.insert(row).second) << "row twice in colour " << c;
+                }
             }
             (r.a < movable && r.b < movable ? any_shared : any_fixed) = true;
         }

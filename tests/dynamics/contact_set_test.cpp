@@ -18,7 +18,8 @@ ContactSet set_of(std::initializer_list<std::uint64_t> keys, std::vector<Manifol
     for (const std::uint64_t key : keys) {
         ContactPair pair;
         pair.key = key;
-        pair.generations = 7;
+        pair.shape_a = {1, 7};
+        pair.shape_b = {2, 7};
         set.pairs.push_back(pair);
     }
     set.manifolds = std::move(manifolds);
@@ -53,7 +54,7 @@ TEST(ContactSet, AnotherGenerationIsAnotherPair) {
     ContactSet before = set_of({10}, {manifold_of(0, {5})});
     before.impulses[0][0].normal = 3.0f;
     ContactSet now = set_of({10}, {manifold_of(0, {5})});
-    now.pairs[0].generations = 8;
+    now.pairs[0].shape_b.generation = 8;
     carry_impulses(now, before);
     EXPECT_EQ(now.impulses[0][0].normal, 0.0f);
 }

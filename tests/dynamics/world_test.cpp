@@ -231,7 +231,9 @@ TEST(World, MomentumOfACollisionIsConserved) {
     EXPECT_TRUE(met);
     const Momentum after = world.momentum();
     EXPECT_LT(glm::length(after.linear - before.linear), 1e-6 * 3000.0);
-    EXPECT_LT(glm::length(after.angular - before.angular), 1e-3 * 3000.0);
+    // Within a step both bodies keep their lever arms, so friction acts at points as far apart as they moved: at most
+    // |v| dt times the friction impulse, mu m v.
+    EXPECT_LT(glm::length(after.angular - before.angular), 4.0 * kDt * 0.6 * 1000.0 * 4.0);
 }
 
 TEST(World, KinematicPlatformCarriesWhatStandsOnIt) {
