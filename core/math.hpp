@@ -17,7 +17,7 @@ struct SinCos {
 /// Sine and cosine of `x` [rad] over the whole range of double, without a library call.
 /// NaN and infinities give NaN for both; sin(-0) is -0.
 /// Accuracy: error at most 0.85 ulp each over the whole range, near multiples of pi/2 too (tests/core/math_test.cpp has
-/// the worst seen). Monotony is not promised. Cost: about 15 ns; twice that from |x| = 2^20 on.
+/// the worst seen). Monotony is not promised. Cost: some 25 ns; twice that from |x| = 2^20 on.
 /// Sources: Cody and Waite (1980) for |x| < 2^20, Payne and Hanek (SIGNUM 1983) beyond; Taylor's series.
 [[nodiscard]] SinCos sin_cos(double x) noexcept;
 

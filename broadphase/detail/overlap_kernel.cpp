@@ -81,6 +81,7 @@ void find_overlaps(const Entries& entries, std::size_t begin, std::size_t end, s
 }
 
 void Entries::grow(std::size_t size) {
+    size += kSentinels;  // a sentinel is looked at too, and reads as far ahead as a box
     if (tag.size() >= size) return;
     size += size / 4;  // sizes drift from step to step
     for (int k = 0; k < 3; ++k) {
