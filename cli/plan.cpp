@@ -15,7 +15,7 @@ ExitCode plan(const SceneArguments& arguments) {
     const Plan plan = scene->run.world.plan();
     fmt::print("{}: {} substeps a step\n\n", scene->run.name, plan.substeps);
     for (const PlanEntry& entry : plan.entries) {
-        fmt::print("{:<12} {:<5} {}\n", to_string(entry.stage), entry.run ? "run" : "skip", entry.reason);
+        fmt::print("{:<12} {}\n", to_string(entry.stage), entry.reason);
     }
     if (!plan.settings.empty()) {
         fmt::print("\nsettings that change accuracy\n");

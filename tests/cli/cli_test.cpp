@@ -50,7 +50,7 @@ TEST(Cli, UnknownWordsAreNamed) {
     expect_refused({"run", "tall_stack", "--no-such-option"}, {"--no-such-option"});
     expect_refused({"run", "tall_stack", "another"}, {"another"});
     expect_refused({"list", "another"}, {"another"});
-    expect_refused({"--no-such-option"}, {"--no-such-option"});
+    expect_refused({"--no-such-option"}, {"subcommand"});
 }
 
 TEST(Cli, NumbersOutOfRangeAreNamed) {
