@@ -3,7 +3,9 @@
 
 int main() {
     const carom::Shape ball = carom::Sphere{1.0f};
-    carom::ShapePair pair{.a = &ball, .b = &ball};
+    carom::ShapePair pair;
+    pair.a = &ball;
+    pair.b = &ball;
     pair.pose_b.position = {1.5, 0, 0};
     std::vector<carom::Manifold> manifolds;
     const carom::CollideStatus status = carom::collide(pair, 0, manifolds);
