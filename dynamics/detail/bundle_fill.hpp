@@ -20,8 +20,9 @@ struct LaneInput {
 /// Makes every lane a no-op: bodies that never move, no mass, no impulse.
 void clear_bundle(ContactBundle& bundle, std::int32_t unmovable_row) noexcept;
 
-/// Fills a lane of a cleared bundle: lever arms, effective masses, impulses along today's tangents.
-void fill_lane(ContactBundle& bundle, std::size_t lane, const LaneInput& input, const SolverBodies& rows) noexcept;
+/// Fills a lane of a cleared bundle for `prepare` to finish: normal_mass is 1 where a point is in use, separation is the
+/// manifold's, and the friction impulse lies in tangent_impulse_1, tangent_impulse_2 and peak_impulse as x, y, z.
+void fill_lane(ContactBundle& bundle, std::size_t lane, const LaneInput& input) noexcept;
 
 /// Writes the accumulated impulses of all lanes to their contacts.
 void store_impulses(const ContactBundle& bundle, ContactSet& contacts) noexcept;

@@ -3,9 +3,9 @@
 #define HWY_TARGET_INCLUDE <carom/dynamics/detail/contact_kernels.cpp>
 #include <hwy/foreach_target.h>
 
-#include <carom/core/lanes.hpp>
 #include <carom/core/math.hpp>
 #include <carom/dynamics/detail/contact_kernels.hpp>
+#include <carom/dynamics/detail/contact_lanes.hpp>
 
 #include <cmath>
 
@@ -13,61 +13,7 @@ HWY_BEFORE_NAMESPACE();
 namespace carom::HWY_NAMESPACE {
 namespace {
 
-using dynamics::ContactBundle;
-using dynamics::PointLanes;
-using dynamics::SolverBodies;
 using dynamics::SolveSettings;
-
-constexpr std::size_t kBodyStride = sizeof(dynamics::SolverBody) / sizeof(float);
-constexpr std::size_t kMassStride = sizeof(dynamics::SolverMass) / sizeof(float);
-
-template <class Array>
-Floats get(const Array& lanes, int lane) {
-    return load(lanes.data() + lane);
-}
-template <class Array>
-void put(Array& lanes, int lane, Floats value) {
-    store(value, lanes.data() + lane);
-}
-
-/// One body of each lane: its motion and its inverse mass.
-struct Bodies {
-    Floats3 v, w;
-    Floats ixx, iyy, izz, ixy, ixz, iyz, inverse_mass;
-
-    /// Velocity change by the impulse ±p at lever arm r.
-    void push(const Floats3& p, const Floats3& r) {
-        v = v + inverse_mass * p;
-        w = w + turned(cross(r, p));
-    }
-    void pull(const Floats3& p, const Floats3& r) {
-        v = v - inverse_mass * p;
-        w = w - turned(cross(r, p));
-    }
-    Floats3 turned(const Floats3& t) const {
-        return {ixx * t.x + ixy * t.y + ixz * t.z, ixy * t.x + iyy * t.y + iyz * t.z, ixz * t.x + iyz * t.y + izz * t.z};
-    }
-    Floats3 velocity_at(const Floats3& r) const { return v + cross(w, r); }
-};
-
-Bodies read_bodies(const SolverBodies& all, const std::int32_t* rows) {
-    const float* body = reinterpret_cast<const float*>(all.bodies.data());
-    const float* mass = reinterpret_cast<const float*>(all.masses.data());
-    // GCC 12 compiles implicit constructors of aggregates for the baseline target: fill them from locals.
-    Floats vx, vy, vz, wx, wy, wz, ixx, iyy, izz, ixy, ixz, iyz, inverse_mass, unused;
-    gather_rows(body, rows, kBodyStride, 0, vx, vy, vz, unused);
-    gather_rows(body, rows, kBodyStride, 4, wx, wy, wz, unused);
-    gather_rows(mass, rows, kMassStride, 0, ixx, iyy, izz, inverse_mass);
-    gather_rows(mass, rows, kMassStride, 4, ixy, ixz, iyz, unused);
-    return {{vx, vy, vz}, {wx, wy, wz}, ixx, iyy, izz, ixy, ixz, iyz, inverse_mass};
-}
-
-void write_bodies(SolverBodies& all, const std::int32_t* rows, const Bodies& b) {
-    float* body = reinterpret_cast<float*>(all.bodies.data());
-    const Floats zero = broadcast(0.0f);
-    scatter_rows(body, rows, kBodyStride, 0, b.v.x, b.v.y, b.v.z, zero, all.movable);
-    scatter_rows(body, rows, kBodyStride, 4, b.w.x, b.w.y, b.w.z, zero, all.movable);
-}
 
 /// Where the bodies of each lane went since the start of the step.
 struct Displacement {
@@ -89,23 +35,6 @@ Displacement read_displacement(const SolverBodies& all, const std::int32_t* rows
     gather_rows(body, rows, kBodyStride, 12, tx, ty, tz, tw);
     return {{sx, sy, sz}, {tx, ty, tz}, tw};
 }
-
-struct Basis {
-    Floats3 n, t1, t2;
-};
-
-/// Tangents of the normal (Duff et al., Building an Orthonormal Basis, Revisited, JCGT 2017).
-Basis make_basis(const ContactBundle& c, int lane) {
-    const Floats one = broadcast(1.0f);
-    const Floats3 n{get(c.nx, lane), get(c.ny, lane), get(c.nz, lane)};
-    const Floats sign = select(n.z < broadcast(0.0f), -one, one);
-    const Floats a = -one / (sign + n.z);
-    const Floats b = n.x * n.y * a;
-    return {n, {one + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}};
-}
-
-Floats3 lever_a(const PointLanes& p, int lane) { return {get(p.ax, lane), get(p.ay, lane), get(p.az, lane)}; }
-Floats3 lever_b(const PointLanes& p, int lane) { return {get(p.bx, lane), get(p.by, lane), get(p.bz, lane)}; }
 
 void warm_start_bundle(ContactBundle& c, SolverBodies& all, int lane) {
     Bodies a = read_bodies(all, c.row_a.data() + lane);
@@ -228,6 +157,54 @@ void restitute_bundle(ContactBundle& c, SolverBodies& all, float threshold, int 
     write_bodies(all, c.row_b.data() + lane, b);
 }
 
+/// Both bodies' inverse masses, felt at a point along two directions.
+Floats response(const Bodies& a, const Bodies& b, const Floats3& ra_x_u, const Floats3& rb_x_u, const Floats3& ra_x_v,
+                const Floats3& rb_x_v) {
+    return dot(a.turned(ra_x_u), ra_x_v) + dot(b.turned(rb_x_u), rb_x_v);
+}
+
+Floats inverse_or_zero(Floats x, Mask used) {
+    const Mask good = used & (x > broadcast(0.0f));
+    return select(good, broadcast(1.0f) / select(good, x, broadcast(1.0f)), broadcast(0.0f));
+}
+
+void prepare_point(PointLanes& p, int lane, const Basis& basis, const Bodies& a, const Bodies& b) {
+    const Floats3 ra = lever_a(p, lane);
+    const Floats3 rb = lever_b(p, lane);
+    const Mask used = get(p.normal_mass, lane) > broadcast(0.0f);
+    const Floats linear = a.inverse_mass + b.inverse_mass;
+    const Floats3 an = cross(ra, basis.n), bn = cross(rb, basis.n);
+    const Floats3 a1 = cross(ra, basis.t1), b1 = cross(rb, basis.t1);
+    const Floats3 a2 = cross(ra, basis.t2), b2 = cross(rb, basis.t2);
+    put(p.normal_mass, lane, inverse_or_zero(linear + response(a, b, an, bn, an, bn), used));
+    const Floats k11 = linear + response(a, b, a1, b1, a1, b1);
+    const Floats k22 = linear + response(a, b, a2, b2, a2, b2);
+    const Floats k12 = response(a, b, a1, b1, a2, b2);
+    const Floats half_difference = broadcast(0.5f) * (k11 - k22);
+    const Floats largest = broadcast(0.5f) * (k11 + k22) + sqrt(half_difference * half_difference + k12 * k12);
+    put(p.tangent_mass, lane, inverse_or_zero(largest, used));
+    put(p.approach, lane, dot(b.velocity_at(rb) - a.velocity_at(ra), basis.n));
+    put(p.separation, lane, get(p.separation, lane) - dot(rb - ra, basis.n));
+
+    const Floats3 friction{get(p.tangent_impulse_1, lane), get(p.tangent_impulse_2, lane), get(p.peak_impulse, lane)};
+    put(p.tangent_impulse_1, lane, dot(friction, basis.t1));
+    put(p.tangent_impulse_2, lane, dot(friction, basis.t2));
+    put(p.peak_impulse, lane, broadcast(0.0f));
+}
+
+void Prepare(std::span<ContactBundle> bundles, const SolverBodies& bodies) {
+    for (ContactBundle& c : bundles) {
+        for (int lane = 0; lane < kBundleWidth; lane += kLanes) {
+            const Bodies a = read_bodies(bodies, c.row_a.data() + lane);
+            const Bodies b = read_bodies(bodies, c.row_b.data() + lane);
+            const Basis basis = make_basis(c, lane);
+            for (int k = 0; k < c.point_count; ++k) {
+                prepare_point(c.points[static_cast<std::size_t>(k)], lane, basis, a, b);
+            }
+        }
+    }
+}
+
 void WarmStart(std::span<ContactBundle> bundles, SolverBodies& bodies) {
     for (ContactBundle& c : bundles) {
         for (int lane = 0; lane < kBundleWidth; lane += kLanes) warm_start_bundle(c, bodies, lane);
@@ -255,6 +232,7 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace carom {
+HWY_EXPORT(Prepare);
 HWY_EXPORT(WarmStart);
 HWY_EXPORT(Solve);
 HWY_EXPORT(Restitute);
@@ -267,6 +245,10 @@ SoftContact soft_contact(double frequency, double damping, double h) noexcept {
     const double a2 = h * w * a1;
     const double a3 = 1.0 / (1.0 + a2);
     return {static_cast<float>(w / a1), static_cast<float>(a2 * a3), static_cast<float>(a3)};
+}
+
+void prepare(std::span<ContactBundle> bundles, const SolverBodies& bodies) {
+    HWY_DYNAMIC_DISPATCH(Prepare)(bundles, bodies);
 }
 
 void warm_start(std::span<ContactBundle> bundles, SolverBodies& bodies) {

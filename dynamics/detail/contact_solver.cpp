@@ -40,6 +40,7 @@ void ContactSolver::prepare(const ContactSet& contacts, const ProxySet& proxies,
     lay_out_bundles();
     executor.parallel_for(bundles_.size(), kBundleGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) fill_bundle(bundles_[i], contacts, proxies, bodies);
+        dynamics::prepare(std::span{bundles_}.subspan(begin, end - begin), rows_);
     });
     count_deep(contacts);
 }
@@ -150,7 +151,7 @@ void ContactSolver::fill_bundle(ContactBundle& bundle, const ContactSet& contact
         in.friction = std::sqrt(a.friction * b.friction);
         in.restitution = std::max(a.restitution, b.restitution);
         in.soft = in.row_a >= rows_.movable || in.row_b >= rows_.movable ? soft_static_ : soft_;
-        fill_lane(bundle, lane, in, rows_);
+        fill_lane(bundle, lane, in);
     }
 }
 

@@ -10,6 +10,7 @@ namespace carom::dynamics {
 namespace {
 
 constexpr double kMaxTurn = 1e6;  // [rad] in one step
+constexpr double kSmallTurn = 1.0 / 256.0;  // [rad] in one step: below it, Euler's equations to first order
 
 /// One factor of the splitting: free rotation about body axis i for `dt`. L (body axes) turns the other way.
 template <int i>
@@ -102,6 +103,11 @@ void integrate_free(BodyState& state, const BodyMass& mass, const dvec3& acceler
 
 dvec3 gyroscopic_change(const BodyState& state, const BodyMass& mass, double dt) noexcept {
     if (mass.inertia == InertiaClass::Isotropic) return dvec3{0.0};
+    if (glm::dot(state.spin, state.spin) * (dt * dt) <= kSmallTurn * kSmallTurn) {
+        const dvec3 spin = rotate_inverse(state.pose.orientation, state.spin);
+        const dvec3 torque = -glm::cross(spin, mass.moments * spin);
+        return rotate(state.pose.orientation, mass.inverse_moments * torque * dt);
+    }
     dquat q = state.pose.orientation;
     dvec3 spin = state.spin;
     rotate_free(q, spin, mass, dt);

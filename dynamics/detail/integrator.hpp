@@ -23,7 +23,8 @@ void integrate_free(BodyState& state, const BodyMass& mass, const dvec3& acceler
 inline constexpr double kMaxCycleAngle = 1.0 / 64.0;
 
 /// @return how the spin of a body changes over `dt` by its gyroscopic torque alone [rad/s]; zero for isotropic bodies.
-/// For bodies in contact: the solver adds it evenly over the substeps. Exact to the order of the splitting above.
+/// For bodies in contact: the solver adds it evenly over the substeps. By the splitting above; for turns below 1/256 rad by
+/// Euler's equations to first order, whose error is then below 1.6e-5 of the spin.
 [[nodiscard]] dvec3 gyroscopic_change(const BodyState& state, const BodyMass& mass, double dt) noexcept;
 
 /// @return the inverse inertia in world axes.
