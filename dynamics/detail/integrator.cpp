@@ -53,8 +53,8 @@ void symmetric_rotation(dquat& q, const dvec3& world_momentum, const BodyMass& m
     q = rotation_from_vector(world_momentum * (inverse_equal * dt)) * q * rotation_about(own_axis, own_rate * dt);
 }
 
-/// Turns (orientation, spin) freely by dt.
-void rotate_free(dquat& q, dvec3& spin, const BodyMass& mass, double dt) noexcept {
+/// Turns (orientation, spin) freely by dt, in cycles of at most `cycle_angle` where the inertia needs cycles.
+void rotate_free(dquat& q, dvec3& spin, const BodyMass& mass, double dt, double cycle_angle) noexcept {
     const double angle = glm::length(spin) * std::abs(dt);
     if (!(angle <= kMaxTurn)) {
         spin = dvec3{std::numeric_limits<double>::quiet_NaN()};
@@ -72,7 +72,7 @@ void rotate_free(dquat& q, dvec3& spin, const BodyMass& mass, double dt) noexcep
         spin = rotate(q, mass.inverse_moments * rotate_inverse(q, world_momentum));
         return;
     }
-    const int cycles = 1 + static_cast<int>(angle / kMaxCycleAngle);
+    const int cycles = 1 + static_cast<int>(angle / cycle_angle);
     split_rotation(q, body_momentum, mass, dt, cycles);
     q = glm::normalize(q);
     spin = rotate(q, mass.inverse_moments * body_momentum);
@@ -98,7 +98,7 @@ void classify_inertia(BodyMass& mass) noexcept {
 void integrate_free(BodyState& state, const BodyMass& mass, const dvec3& acceleration, double dt) noexcept {
     state.pose.position += (state.velocity + acceleration * (0.5 * dt)) * dt;
     state.velocity += acceleration * dt;
-    rotate_free(state.pose.orientation, state.spin, mass, dt);
+    rotate_free(state.pose.orientation, state.spin, mass, dt, kMaxCycleAngle);
 }
 
 dvec3 gyroscopic_change(const BodyState& state, const BodyMass& mass, double dt) noexcept {
@@ -110,7 +110,7 @@ dvec3 gyroscopic_change(const BodyState& state, const BodyMass& mass, double dt)
     }
     dquat q = state.pose.orientation;
     dvec3 spin = state.spin;
-    rotate_free(q, spin, mass, dt);
+    rotate_free(q, spin, mass, dt, kMaxContactCycleAngle);
     return spin - state.spin;
 }
 

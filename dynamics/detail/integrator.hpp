@@ -21,6 +21,8 @@ void integrate_free(BodyState& state, const BodyMass& mass, const dvec3& acceler
 
 /// 1/64 rad: the energy error of a 2:3:4 body is 5e-6.
 inline constexpr double kMaxCycleAngle = 1.0 / 64.0;
+/// The same for bodies in contact, where friction takes out more than the error of 1e-3 puts in.
+inline constexpr double kMaxContactCycleAngle = 0.25;
 
 /// @return how the spin of a body changes over `dt` by its gyroscopic torque alone [rad/s]; zero for isotropic bodies.
 /// For bodies in contact: the solver adds it evenly over the substeps. By the splitting above; for turns below 1/256 rad by
