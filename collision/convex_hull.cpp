@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <numeric>
 #include <optional>
 #include <string>
 
@@ -51,6 +52,23 @@ std::vector<dvec3> drop_unused(std::span<const dvec3> points, std::vector<detail
 /// belong to fewer than three faces are dropped.
 constexpr double kMergeLoss = 4.0;
 
+/// Thins out crowds: of points closer together than `distance` the one with the least x stays. @return indices, ascending.
+std::vector<std::uint32_t> thin_out(std::span<const dvec3> points, double distance) {
+    std::vector<std::uint32_t> order(points.size());
+    std::iota(order.begin(), order.end(), 0u);
+    std::stable_sort(order.begin(), order.end(), [&](std::uint32_t a, std::uint32_t b) { return points[a].x < points[b].x; });
+    std::vector<std::uint32_t> kept;
+    for (const std::uint32_t i : order) {
+        bool alone = true;
+        for (std::size_t k = kept.size(); alone && k-- > 0 && points[i].x - points[kept[k]].x < distance;) {
+            alone = glm::distance(points[i], points[kept[k]]) >= distance;
+        }
+        if (alone) kept.push_back(i);
+    }
+    std::stable_sort(kept.begin(), kept.end());
+    return kept;
+}
+
 /// What `all` has and `some` has not; both are in the same order, without duplicates.
 std::vector<dvec3> missing(std::span<const dvec3> all, std::span<const dvec3> some) {
     std::vector<dvec3> rest;
@@ -65,29 +83,35 @@ std::vector<dvec3> missing(std::span<const dvec3> all, std::span<const dvec3> so
     return rest;
 }
 
-/// Merges the triangles of an exact hull into faces. Points at which fewer than three faces meet are dropped and the hull is
+/// Merges the triangles of an exact hull into faces, after thinning out crowds of vertices. Points at which fewer than three faces meet are dropped and the hull is
 /// built anew from the others, until all points are corners.
 /// @return nothing if the faces are not convex polygons within the tolerance, which cannot happen with tolerance 0.
 std::optional<Polyhedron> merge(std::span<const dvec3> exact_points, std::vector<detail::HullTriangle> triangles,
                                 double tolerance) {
     std::vector<dvec3> points(exact_points.begin(), exact_points.end());
+    const auto keep = [&](std::span<const std::uint32_t> kept) {
+        if (kept.size() < 4) return false;
+        points = select(points, kept);
+        triangles = detail::triangle_hull(points, 0.0);
+        if (triangles.empty()) return false;
+        points = drop_unused(points, triangles);
+        return true;
+    };
+    if (const auto kept = thin_out(points, tolerance); kept.size() < points.size() && !keep(kept)) return std::nullopt;
     for (;;) {
         const detail::FaceLabels labels = detail::merge_coplanar(points, triangles, tolerance);
         const std::vector<std::uint32_t> kept = detail::corners(triangles, labels);
-        if (kept.size() < 4) return std::nullopt;
-        if (kept.size() == points.size()) {
-            detail::HullFaces surface = detail::link_faces(points, triangles, labels);
-            if (tolerance > 0.0) {
-                const double loss = kMergeLoss * tolerance;
-                if (!detail::is_convex_polyhedron(points, surface, loss)) return std::nullopt;
-                if (!detail::is_near_hull(missing(exact_points, points), points, surface, loss)) return std::nullopt;
-            }
-            return Polyhedron{std::move(points), std::move(surface)};
+        if (kept.size() < points.size()) {
+            if (!keep(kept)) return std::nullopt;
+            continue;
         }
-        points = select(points, kept);
-        triangles = detail::triangle_hull(points, 0.0);
-        if (triangles.empty()) return std::nullopt;
-        points = drop_unused(points, triangles);
+        detail::HullFaces surface = detail::link_faces(points, triangles, labels);
+        if (tolerance > 0.0) {
+            const double loss = kMergeLoss * tolerance;
+            if (!detail::is_convex_polyhedron(points, surface, loss)) return std::nullopt;
+            if (!detail::is_near_hull(missing(exact_points, points), points, surface, loss)) return std::nullopt;
+        }
+        return Polyhedron{std::move(points), std::move(surface)};
     }
 }
 

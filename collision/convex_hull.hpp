@@ -35,7 +35,7 @@ public:
     /// @param points  (n,), finite, any order, duplicates allowed; needs four that are not coplanar.
     /// @return the hull; NotFinite, Empty (fewer than 4 points) or Degenerate (coplanar to 1e-6 of the largest extent).
     /// Accuracy: no input point is farther than 1e-5 of the largest extent from the hull or above a face's plane; no vertex is above
-    /// a plane except by rounding in double. Cost: O(n log n) expected; about 15 µs for 12 points.
+    /// a plane except by rounding in double. Cost: O(n log n) expected; about 20 µs for 12 points.
     [[nodiscard]] static Result<ConvexHullPtr> build(std::span<const vec3> points);
 
     [[nodiscard]] std::span<const vec3> vertices() const noexcept { return vertices_; }

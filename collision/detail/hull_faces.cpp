@@ -47,8 +47,41 @@ private:
     double reach_ = 0.0;
 };
 
+/// Finds vertices far along a direction by climbing from neighbour to neighbour; on a convex surface the last one is the farthest.
+class Climber {
+public:
+    Climber(std::span<const dvec3> points, std::span<const HullTriangle> triangles)
+        : points_(points), triangles_(triangles), triangle_at_(points.size(), kNone) {
+        for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+            for (const std::uint32_t v : triangles[t].vertex) triangle_at_[v] = t;
+        }
+    }
+
+    [[nodiscard]] double farthest(const dvec3& direction, std::uint32_t start) const {
+        double best = glm::dot(direction, points_[start]);
+        for (std::uint32_t at = start;;) {
+            const std::uint32_t center = at;
+            const std::uint32_t first = triangle_at_[center];
+            std::uint32_t t = first;
+            do {
+                const std::uint32_t i = edge_from(triangles_[t], center);
+                const std::uint32_t v = triangles_[t].vertex[(i + 1) % 3];
+                if (const double along = glm::dot(direction, points_[v]); along > best) best = along, at = v;
+                t = triangles_[t].neighbor[(i + 2) % 3];
+            } while (t != first);
+            if (at == center) return best;
+        }
+    }
+
+private:
+    std::span<const dvec3> points_;
+    std::span<const HullTriangle> triangles_;
+    std::vector<std::uint32_t> triangle_at_;
+};
+
 /// The supporting plane of a polygon: Newell's normal, and the offset of the farthest of all points.
-void set_plane(ConvexHull::Face& face, std::span<const dvec3> points, std::span<const std::uint32_t> polygon) {
+void set_plane(ConvexHull::Face& face, std::span<const dvec3> points, const Climber& climber,
+               std::span<const std::uint32_t> polygon) {
     const dvec3 origin = points[polygon[0]];
     dvec3 normal{0.0};
     for (std::size_t i = 2; i < polygon.size(); ++i) {
@@ -59,12 +92,7 @@ void set_plane(ConvexHull::Face& face, std::span<const dvec3> points, std::span<
     normal /= std::max({size.x, size.y, size.z});
     face.normal = normal / glm::length(normal);
     face.offset = -std::numeric_limits<double>::infinity();
-    const auto raise = [&](const dvec3& p) { face.offset = std::max(face.offset, glm::dot(face.normal, p)); };
-    if (polygon.size() == 3) {
-        for (const std::uint32_t v : polygon) raise(points[v]);
-    } else {
-        for (const dvec3& p : points) raise(p);
-    }
+    for (const std::uint32_t v : polygon) face.offset = std::max(face.offset, climber.farthest(face.normal, v));
 }
 
 std::vector<std::uint32_t> polygon_of(const HullFaces& hull, const ConvexHull::Face& face) {
@@ -184,9 +212,10 @@ HullFaces link_faces(std::span<const dvec3> points, std::span<const HullTriangle
             if (face.edge_count++ == 0) face.first_edge = numbers[t][i];
         }
     }
+    const Climber climber(points, triangles);
     for (ConvexHull::Face& face : hull.faces) {
         const std::vector<std::uint32_t> polygon = polygon_of(hull, face);
-        set_plane(face, points, polygon);
+        set_plane(face, points, climber, polygon);
     }
     return hull;
 }

@@ -76,6 +76,11 @@ void expect_invariants(const ConvexHull& hull, std::span<const vec3> points, dou
             EXPECT_GT(glm::dot(glm::cross(b - a, c - b), face.normal), 0.0) << "face " << f << " is not convex at " << i;
             EXPECT_GE(glm::dot(face.normal, a) - face.offset, -slack * extent);
         }
+        double farthest = 0.0;
+        for (const vec3& v : hull.vertices()) farthest = std::max(farthest, glm::length(dvec3{v}));
+        for (const vec3& v : hull.vertices()) {
+            EXPECT_LE(glm::dot(face.normal, dvec3{v}) - face.offset, 1e-14 * extent + 1e-15 * farthest) << "face " << f;
+        }
         for (const vec3& p : points) EXPECT_LE(glm::dot(face.normal, dvec3{p}) - face.offset, slack * extent);
     }
     for (std::uint32_t e = 0; e < edges.size(); e += 2) {
@@ -330,6 +335,27 @@ TEST(ConvexHull, GeodesicSpheresKeepEveryPoint) {
         ASSERT_TRUE(hull);
         EXPECT_EQ(hull->vertices().size(), static_cast<std::size_t>(10 * frequency * frequency + 2));
         EXPECT_EQ(hull->faces().size(), static_cast<std::size_t>(20 * frequency * frequency));
+    }
+}
+
+TEST(ConvexHull, SpheresOfLatitudeKeepTheirQuadrilaterals) {
+    // The sine of pi is not zero in double, so each pole is a crowd of points some 1e-16 apart.
+    Random random(22);
+    for (const int n : {8, 20, 50}) {
+        Points points;
+        for (int i = 0; i <= n; ++i) {
+            for (int j = 0; j < n; ++j) {
+                const double down = std::numbers::pi * i / n;
+                const double round = 2.0 * std::numbers::pi * j / n;
+                points.push_back(to_float({std::sin(down) * std::cos(round), std::cos(down), std::sin(down) * std::sin(round)}));
+            }
+        }
+        for (const dquat& turn : {kIdentityRotation, some_rotation(random)}) {
+            const ConvexHullPtr hull = expect_hull(moved(points, dvec3{1.0}, turn, dvec3{0.0}));
+            ASSERT_TRUE(hull);
+            EXPECT_EQ(hull->vertices().size(), static_cast<std::size_t>(n * (n - 1) + 2));
+            EXPECT_EQ(hull->faces().size(), static_cast<std::size_t>(n * n));
+        }
     }
 }
 
