@@ -5,8 +5,10 @@
 #include <carom/collision/teapot.hpp>
 #include <carom/collision/terrain.hpp>
 #include <carom/collision/triangle_mesh.hpp>
+#include <carom/core/math.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace carom::scenes::detail {
@@ -31,11 +33,24 @@ double seat_height(const MeshData& ground) {
     return lowest;
 }
 
+/// The hull of those points of a small teapot that are farthest in each of 48 directions (a Fibonacci lattice on the sphere):
+/// the hull of all of them has four times as many corners, which nobody sees.
 Result<ConvexHullPtr> small_teapot() {
     const Result<MeshData> pot = teapot(kSmallTeapot, 0.04 * kSmallTeapot);
     if (!pot) return pot.error();
-    std::vector<vec3> points = pot->vertices;
-    for (vec3& p : points) p.y -= 0.25f * static_cast<float>(kSmallTeapot);  // about its middle
+    constexpr int kDirections = 48;
+    constexpr double kGoldenAngle = 2.399963229728653;
+    std::vector<vec3> points;
+    for (int i = 0; i < kDirections; ++i) {
+        const double y = 1.0 - (2.0 * i + 1.0) / kDirections;
+        const double r = std::sqrt(1.0 - y * y);
+        const SinCos turn = sin_cos(i * kGoldenAngle);
+        const vec3 direction(dvec3{r * turn.cos, y, r * turn.sin});
+        vec3 farthest = *std::ranges::max_element(
+            pot->vertices, {}, [&](const vec3& v) { return glm::dot(direction, v); });
+        farthest.y -= 0.25f * static_cast<float>(kSmallTeapot);  // about its middle
+        points.push_back(farthest);
+    }
     return ConvexHull::build(points);
 }
 

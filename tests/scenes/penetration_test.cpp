@@ -75,8 +75,8 @@ TEST(OverlapDepth, OfPolytopesIsThatOfEveryAxis) {
     for (int i = 0; i < 4000; ++i) {
         const Shape a = draw_polytope(random);
         const Shape b = draw_polytope(random);
-        const Polytope p = *make_polytope(a, draw_pose(random, 0.6));
-        const Polytope q = *make_polytope(b, draw_pose(random, 0.6));
+        const Polytope p = *make_polytope(a, draw_pose(random, 0.9));
+        const Polytope q = *make_polytope(b, draw_pose(random, 0.9));
         const double expected = brute_force_depth(p, q);
         if (expected > 0.0) ++overlapping;
         // Hulls merge faces that are coplanar to 1e-5; no random hull has such.
