@@ -22,7 +22,7 @@ struct Camera {
 /// From which side automatic_camera looks.
 struct CameraAngle {
     double azimuth = 0.6;          ///< about frame.up, from the side that faces z (or x where up is z) [rad]
-    double elevation = 0.48;       ///< above the horizon, in (-1.5, 1.5) [rad]
+    double elevation = 0.75;       ///< above the horizon, in (-1.5, 1.5) [rad]
     double field_of_view = 0.5;    ///< [rad], in (0, 3)
     double margin = 0.08;          ///< of the picture left free on each side, in [0, 0.4]
 };

@@ -13,7 +13,7 @@ namespace carom::cli {
 namespace {
 
 // Frames over a whole run; each can hold every vertex of the scene.
-constexpr int kMostFrames = 100;
+constexpr int kMostFrames = 60;
 
 class VtkRecorder final : public Recorder {
 public:
