@@ -33,7 +33,7 @@ struct WorldDef {
     BroadphaseMethod broadphase = BroadphaseMethod::SweepAndPrune;
     PlanMode plan = PlanMode::Automatic;
     double contact_frequency = 90.0;  ///< soft contact [Hz], at most 1/(4h) of the substep h; doubled against static bodies
-    double contact_damping = 10.0;    ///< damping ratio of the soft contact
+    double contact_damping = 1.0;     ///< damping ratio of the soft contact
     double max_push_speed = 4.0;      ///< overlap is removed at this speed at most [m/s]
     bool relax = true;                ///< the pass that takes out the energy of the push
     bool report_balance = false;      ///< fill StepReport::balance

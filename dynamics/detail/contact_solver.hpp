@@ -24,7 +24,7 @@ struct SolverSettings {
     double dt = 0.0;             ///< of the step [s]
     int substeps = 8;
     double frequency = 90.0;     ///< of soft contact [Hz]; at most 1/(4h) is used
-    double damping = 10.0;
+    double damping = 1.0;
     double max_push_speed = 4.0; ///< [m/s]
     [[nodiscard]] double substep() const noexcept { return dt / substeps; }
 };
