@@ -20,8 +20,8 @@ double play(const Proxy& proxy, const BodyState& state, const Motion& motion) {
     return glm::length(motion.gravity) * motion.dt * motion.dt + proxy.reach * turn;
 }
 
-Aabb swept_box(const Proxy& proxy, const BodyState& state, const Motion& motion) {
-    const Aabb box = bounds(*proxy.shape, state.pose * proxy.local);
+Aabb swept_box(const Proxy& proxy, const Pose& pose, const BodyState& state, const Motion& motion) {
+    const Aabb box = bounds(*proxy.shape, pose);
     const dvec3 path = state.velocity * motion.dt;
     const Aabb moved{box.lower + glm::min(path, dvec3{0.0}), box.upper + glm::max(path, dvec3{0.0})};
     return inflate(moved, play(proxy, state, motion));
@@ -66,13 +66,15 @@ void update_swept_bounds(ProxySet& proxies, const BodyArrays& bodies, const Moti
     const std::size_t count = proxies.bounded.size();
     proxies.boxes.resize(count);
     proxies.motion.resize(count);
+    proxies.poses.resize(count);
     executor.parallel_for(count, kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const Proxy& proxy = proxies.bounded[i];
             const Role role = bodies.roles[proxy.body];
             if (role == Role::Static && !proxies.static_boxes_stale) continue;
             const BodyState& state = bodies.states[proxy.body];
-            proxies.boxes[i] = round_outward(swept_box(proxy, state, motion), proxies.origin);
+            proxies.poses[i] = state.pose * proxy.local;
+            proxies.boxes[i] = round_outward(swept_box(proxy, proxies.poses[i], state, motion), proxies.origin);
             proxies.motion[i] = role == Role::Static
                                     ? 0.0
                                     : glm::length(state.velocity) * motion.dt + play(proxy, state, motion);
@@ -113,14 +115,13 @@ void list_shape_pairs(const ProxySet& proxies, const BodyArrays& bodies, std::sp
         for (std::size_t i = begin; i < end; ++i) {
             const Proxy& a = proxy_at(proxies, pairs[i].proxy_a);
             const Proxy& b = proxy_at(proxies, pairs[i].proxy_b);
-            const auto motion_of = [&](std::uint32_t index) {
-                return index < proxies.motion.size() ? proxies.motion[index] : 0.0;
-            };
-            const double closing = motion_of(pairs[i].proxy_a) + motion_of(pairs[i].proxy_b);
+            // B may be a plane, which has neither box nor motion of its own here.
+            const bool b_bounded = pairs[i].proxy_b < proxies.bounded.size();
+            const double closing = proxies.motion[pairs[i].proxy_a] + (b_bounded ? proxies.motion[pairs[i].proxy_b] : 0.0);
             out[i].a = a.shape;
             out[i].b = b.shape;
-            out[i].pose_a = bodies.states[a.body].pose * a.local;
-            out[i].pose_b = bodies.states[b.body].pose * b.local;
+            out[i].pose_a = proxies.poses[pairs[i].proxy_a];
+            out[i].pose_b = b_bounded ? proxies.poses[pairs[i].proxy_b] : bodies.states[b.body].pose * b.local;
             out[i].margin = static_cast<float>(std::min(closing, kMarginShare * std::min(a.extent, b.extent)));
         }
     });

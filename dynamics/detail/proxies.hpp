@@ -42,6 +42,7 @@ struct ProxySet {
     std::vector<Proxy> unbounded;     ///< planes: the side list
     std::vector<FloatAabb> boxes;     ///< of `bounded`, over the predicted motion, relative to `origin`
     std::vector<ProxyFilter> filters; ///< of `bounded`
+    std::vector<Pose> poses;          ///< of `bounded`, in the world
     std::vector<double> motion;       ///< of `bounded`: how far any point may move in the step [m]
     dvec3 origin{0.0};                ///< of the boxes
     bool static_boxes_stale = true;   ///< static bodies' boxes must be made anew
@@ -54,7 +55,8 @@ struct Motion {
 };
 
 /// Boxes around the predicted motion: v dt along the velocity, |g| dt² + r min(|w| dt, 2) all round.
-/// @return the slots of dynamic bodies whose boxes do not fit into floats: their state is as good as lost.
+/// Fills in boxes, poses and motion.
+/// @param lost  becomes the slots of bodies whose boxes do not fit into floats: their state is as good as lost.
 void update_swept_bounds(ProxySet& proxies, const BodyArrays& bodies, const Motion& motion, Executor& executor,
                          std::vector<std::uint32_t>& lost);
 
