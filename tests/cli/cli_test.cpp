@@ -110,8 +110,8 @@ TEST(Cli, SceneFilesAreChecked) {
 TEST(Cli, PathsAreProvedBeforeTheRun) {
     const TemporaryFolder folder;
     const std::string file = folder.write("file", "keep me");
-    // So long that the test would time out if it ran first.
-    const std::string steps = "1000000000";
+    // Found after the run it would be code 1, some seconds later.
+    const std::string steps = "20000";
     expect_refused({"run", "tall_stack", "--steps", steps, "--json", file + "/report.json"}, {file + "/report.json", "written"});
     expect_refused({"run", "tall_stack", "--steps", steps, "--json", folder.path("")}, {folder.path(""), "written"});
     expect_refused({"run", "tall_stack", "--steps", steps, "--json", folder.path("no/such/folder.json")}, {"folder.json"});
