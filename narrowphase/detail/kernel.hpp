@@ -46,14 +46,16 @@ struct Patch {
 /// takes its shapes in the other order.
 class ManifoldSink {
 public:
-    ManifoldSink(const ShapePair& pair, bool swapped, std::uint32_t index, std::vector<Manifold>& out) noexcept
-        : pair_(pair), swapped_(swapped), index_(index), out_(out) {}
+    /// @param axes  rotation of the kernel's first shape to world axes; `shift` from A's origin to the first shape's.
+    ManifoldSink(const dmat3& axes, const dvec3& shift, bool swapped, std::uint32_t index, std::vector<Manifold>& out) noexcept
+        : axes_(axes), shift_(shift), turn_(swapped ? -1.0 : 1.0), index_(index), out_(out) {}
 
     void add(const Patch& patch);
 
 private:
-    const ShapePair& pair_;
-    bool swapped_;
+    dmat3 axes_;
+    dvec3 shift_;
+    double turn_;
     std::uint32_t index_;
     std::vector<Manifold>& out_;
 };

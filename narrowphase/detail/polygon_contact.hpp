@@ -1,7 +1,7 @@
 // The common region of two facing polygons: the points of contact of two faces, or of two edges of nearly facing faces.
 //
 //   collect_face_contact<4>(face_a, face_b, normal, margin, table, points);
-//   finish_patch(points, face_a, face_b, patch);
+//   finish_patch<4>(points, face_a, face_b, rule, patch);
 #pragma once
 
 #include <carom/narrowphase/detail/feature.hpp>
@@ -148,16 +148,22 @@ std::uint64_t steady_name(const Candidate& point, const FacePolygon<N>& first, c
     return point.feature;
 }
 
+/// How points become a patch.
+struct PatchRule {
+    double tolerance = 0.0;  ///< of reduce_points() [m]
+    double snap = 0.0;       ///< points within this distance of a corner bear its name [m]
+    PlanarDirection start;
+};
+
 /// Reduces the candidates to the points of the patch and gives them steady names.
-/// @param snap  points within this distance of a corner bear its name [m].
 template <std::size_t N>
 void finish_patch(std::span<const Candidate> candidates, const FacePolygon<N>& first, const FacePolygon<N>& second,
-                  double tolerance, double snap, Patch& patch) {
-    std::array<int, kMaxManifoldPoints> chosen{};
-    const int count = reduce_points(candidates, tolerance, chosen);
+                  const PatchRule& rule, Patch& patch) {
+    Chosen chosen{};
+    const int count = reduce_points(candidates, rule.tolerance, rule.start, chosen);
     for (int i = 0; i < count; ++i) {
         const Candidate& c = candidates[static_cast<std::size_t>(chosen[static_cast<std::size_t>(i)])];
-        std::uint64_t name = steady_name(c, first, second, snap);
+        std::uint64_t name = steady_name(c, first, second, rule.snap);
         for (int k = 0; k < patch.count; ++k) {
             if (patch.points[static_cast<std::size_t>(k)].feature == name) name = c.feature;
         }

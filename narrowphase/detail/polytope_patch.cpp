@@ -85,7 +85,7 @@ void build_patch(const Polytope& a, const Polytope& b, const ContactAxis& axis, 
     patch.normal = plane.normal;
     patch.count = 0;
     const double snap = kSnap * std::min(least_side(first.corners), least_side(second.corners));
-    finish_patch<kAny>(points, first, second, kPointTolerance * size, snap, patch);
+    finish_patch<kAny>(points, first, second, {kPointTolerance * size, snap, outline_start(plane.normal, plane.axis_u, plane.axis_w)}, patch);
 }
 
 }  // namespace carom::detail

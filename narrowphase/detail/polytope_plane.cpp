@@ -11,19 +11,26 @@
 namespace carom::detail {
 namespace {
 
-Candidate corner_on_plane(const dvec3& corner, std::uint32_t vertex, const PlaneForm& plane, const dvec3& axis_u,
-                          const dvec3& axis_w) noexcept {
-    const double distance = plane.distance(corner);
-    return {corner - (0.5 * distance) * plane.normal, distance, glm::dot(corner, axis_u), glm::dot(corner, axis_w),
+// The plane with axes in it.
+struct PlaneFrame {
+    PlaneForm form;
+    dvec3 axis_u{any_perpendicular(form.normal)};
+    dvec3 axis_w{glm::cross(axis_u, form.normal)};
+    PlanarDirection start{outline_start(form.normal, axis_u, axis_w)};
+};
+
+Candidate corner_on_plane(const dvec3& corner, std::uint32_t vertex, const PlaneFrame& plane) noexcept {
+    const double distance = plane.form.distance(corner);
+    return {corner - (0.5 * distance) * plane.form.normal, distance, glm::dot(corner, plane.axis_u), glm::dot(corner, plane.axis_w),
             feature_name(FeatureKind::VertexOfFirst, vertex, 0)};
 }
 
-void emit(std::span<const Candidate> candidates, double size, const PlaneForm& plane, ManifoldSink& sink) {
-    std::array<int, kMaxManifoldPoints> chosen{};
-    const int count = reduce_points(candidates, kPointTolerance * size, chosen);
+void emit(std::span<const Candidate> candidates, double size, const PlaneFrame& plane, ManifoldSink& sink) {
+    Chosen chosen{};
+    const int count = reduce_points(std::span<const Candidate>(candidates), kPointTolerance * size, plane.start, chosen);
     if (count == 0) return;
     Patch patch;
-    patch.normal = -plane.normal;
+    patch.normal = -plane.form.normal;
     for (int i = 0; i < count; ++i) {
         const Candidate& c = candidates[static_cast<std::size_t>(chosen[static_cast<std::size_t>(i)])];
         patch.add(c.position, c.separation, c.feature);
@@ -35,14 +42,12 @@ void emit(std::span<const Candidate> candidates, double size, const PlaneForm& p
 
 CollideStatus box_plane(const PairFrame& pair, Workspace&, ManifoldSink& sink) {
     const dvec3 half(as<Box>(pair.first).half_extents);
-    const PlaneForm plane = plane_in_first(pair);
-    const dvec3 axis_u = any_perpendicular(plane.normal);
-    const dvec3 axis_w = glm::cross(axis_u, plane.normal);
+    const PlaneFrame plane{plane_in_first(pair)};
     std::array<Candidate, 8> candidates;
     std::size_t count = 0;
     for (int i = 0; i < 8; ++i) {
         const dvec3 corner{i & 1 ? half.x : -half.x, i & 2 ? half.y : -half.y, i & 4 ? half.z : -half.z};
-        candidates[count] = corner_on_plane(corner, static_cast<std::uint32_t>(i), plane, axis_u, axis_w);
+        candidates[count] = corner_on_plane(corner, static_cast<std::uint32_t>(i), plane);
         if (candidates[count].separation <= pair.margin) ++count;
     }
     emit({candidates.data(), count}, std::max({half.x, half.y, half.z}), plane, sink);
@@ -51,14 +56,12 @@ CollideStatus box_plane(const PairFrame& pair, Workspace&, ManifoldSink& sink) {
 
 CollideStatus hull_plane(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
     const auto vertices = as<ConvexHullPtr>(pair.first)->vertices();
-    const PlaneForm plane = plane_in_first(pair);
-    const dvec3 axis_u = any_perpendicular(plane.normal);
-    const dvec3 axis_w = glm::cross(axis_u, plane.normal);
+    const PlaneFrame plane{plane_in_first(pair)};
     std::vector<Candidate>& candidates = workspace.polygons.candidates;
     candidates.clear();
     double size = 0.0;
     for (std::uint32_t i = 0; i < vertices.size(); ++i) {
-        const Candidate c = corner_on_plane(dvec3(vertices[i]), i, plane, axis_u, axis_w);
+        const Candidate c = corner_on_plane(dvec3(vertices[i]), i, plane);
         size = std::max({size, std::abs(c.u), std::abs(c.w), std::abs(c.separation)});
         if (c.separation <= pair.margin) candidates.push_back(c);
     }

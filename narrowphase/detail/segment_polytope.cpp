@@ -135,8 +135,9 @@ void build_patch(const RoundSegment& core, const Polytope& polytope, const Conta
         const double t = closest_parameter(s, axis.on_a);
         add(axis.on_a, axis.separation, segment_name(t, axis.feature_b));
     }
-    std::array<int, kMaxManifoldPoints> chosen{};
-    const int count = reduce_points(points, kPointTolerance * size, chosen);
+    Chosen chosen{};
+    const int count = reduce_points(std::span<const Candidate>(points), kPointTolerance * size,
+                                    outline_start(axis.normal, axis_u, axis_w), chosen);
     patch.normal = axis.normal;
     patch.count = 0;
     for (int i = 0; i < count; ++i) {
