@@ -45,7 +45,7 @@ OUTSIDE = [
     (re.compile(r"vtk[A-Z]\w*\.h$"), {"viz/vtk", "tests/viz", "tests/viz_vtk"}, "VTK", False),
     (re.compile(r"(Eigen|unsupported)/"), {"*"}, "Eigen", False),
     (re.compile(r"(oneapi/)?tbb/"), {"core/tbb"}, "oneTBB", False),
-    (re.compile(r"CLI/"), {"cli"}, "CLI11", False),
+    (re.compile(r"CLI/"), {"cli", "bench"}, "CLI11", False),
 ]
 
 INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.M)

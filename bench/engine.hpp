@@ -1,0 +1,42 @@
+// One physics engine with one scene in it: what the comparison of whole steps asks of each.
+//
+//   std::unique_ptr<Engine> engine = make_bullet(scene_bodies(run.world));
+//   engine->step(1.0 / 60.0);
+#pragma once
+
+#include <carom/bench/scene_bodies.hpp>
+
+#include <carom/core/pose.hpp>
+
+#include <cstddef>
+#include <memory>
+#include <string>
+
+namespace carom::bench {
+
+/// Every engine runs on one thread, at its defaults, and never puts a body to sleep.
+class Engine {
+public:
+    Engine() = default;
+    Engine(const Engine&) = delete;
+    Engine& operator=(const Engine&) = delete;
+    virtual ~Engine() = default;
+
+    [[nodiscard]] virtual std::string name() const = 0;     ///< as filters and reports spell it
+    [[nodiscard]] virtual std::string version() const = 0;  ///< of the library that runs
+    virtual void step(double dt) = 0;                       ///< one step of `dt` seconds > 0
+
+    /// Of the moving body `index`, in the order of SceneBodies::moving: the pose that Carom would give, and the velocity of the
+    /// centre of mass [m/s].
+    [[nodiscard]] virtual Pose pose(std::size_t index) const = 0;
+    [[nodiscard]] virtual dvec3 velocity(std::size_t index) const = 0;
+};
+
+/// Carom itself. Takes the world over.
+[[nodiscard]] std::unique_ptr<Engine> make_carom(World world);
+/// Bullet: btDiscreteDynamicsWorld, sequential impulses, btDbvtBroadphase.
+[[nodiscard]] std::unique_ptr<Engine> make_bullet(const SceneBodies& bodies);
+/// ODE: dWorldQuickStep over a hash space.
+[[nodiscard]] std::unique_ptr<Engine> make_ode(const SceneBodies& bodies);
+
+}  // namespace carom::bench
