@@ -37,6 +37,7 @@ void ContactSolver::prepare(const ContactSet& contacts, const ProxySet& proxies,
     fill_rows(bodies, executor);
     list_contact_rows(contacts, proxies);
     coloring_.color(contact_rows_, rows_.movable);
+    sort_by_points(contacts);
     lay_out_bundles();
     executor.parallel_for(bundles_.size(), kBundleGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) fill_bundle(bundles_[i], contacts, proxies, bodies);
@@ -103,6 +104,20 @@ void ContactSolver::list_contact_rows(const ContactSet& contacts, const ProxySet
     }
 }
 
+void ContactSolver::sort_by_points(const ContactSet& contacts) {
+    const std::span<const std::uint32_t> order = coloring_.order();
+    const std::span<const std::uint32_t> starts = coloring_.starts();
+    lane_order_.clear();
+    for (std::size_t c = 0; c + 1 < starts.size(); ++c) {
+        for (std::uint32_t points = kMaxManifoldPoints; points > 0; --points) {
+            for (std::uint32_t i = starts[c]; i < starts[c + 1]; ++i) {
+                if (contacts.manifolds[order[i]].count == points) lane_order_.push_back(order[i]);
+            }
+        }
+    }
+    lane_order_.insert(lane_order_.end(), order.begin() + starts.back(), order.end());
+}
+
 void ContactSolver::lay_out_bundles() {
     colors_.clear();
     const std::span<const std::uint32_t> starts = coloring_.starts();
@@ -114,19 +129,18 @@ void ContactSolver::lay_out_bundles() {
     }
     first_overflow_bundle_ = bundle_count;
     bundles_.resize(bundle_count + coloring_.overflow_count());
-    const std::span<const std::uint32_t> order = coloring_.order();
     for (std::size_t c = 0; c + 1 < starts.size(); ++c) {
         for (std::uint32_t b = 0; b < colors_[c].count; ++b) {
             for (std::uint32_t lane = 0; lane < kLanesPerBundle; ++lane) {
                 const std::uint32_t i = starts[c] + b * kLanesPerBundle + lane;
-                bundles_[colors_[c].first + b].manifold[lane] = i < starts[c + 1] ? order[i] : kUnusedLane;
+                bundles_[colors_[c].first + b].manifold[lane] = i < starts[c + 1] ? lane_order_[i] : kUnusedLane;
             }
         }
     }
     for (std::uint32_t i = 0; i < coloring_.overflow_count(); ++i) {
         ContactBundle& bundle = bundles_[first_overflow_bundle_ + i];
         bundle.manifold.fill(kUnusedLane);
-        bundle.manifold[0] = order[starts.back() + i];
+        bundle.manifold[0] = lane_order_[starts.back() + i];
     }
 }
 

@@ -55,6 +55,8 @@ private:
     void assign_rows(const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies);
     void fill_rows(const BodyArrays& bodies, Executor& executor);
     void list_contact_rows(const ContactSet& contacts, const ProxySet& proxies);
+    /// Within a colour the order is free: manifolds of as many points share bundles, so that few lanes idle.
+    void sort_by_points(const ContactSet& contacts);
     void lay_out_bundles();
     void fill_bundle(ContactBundle& bundle, const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies) const;
     void count_deep(const ContactSet& contacts);
@@ -70,6 +72,7 @@ private:
     std::vector<ContactRows> contact_rows_;    // per manifold
     std::vector<std::uint32_t> pair_of_;       // per manifold
     Coloring coloring_;
+    std::vector<std::uint32_t> lane_order_;    // of manifolds: by colour, then by falling number of points
     std::vector<Color> colors_;
     std::vector<ContactBundle> bundles_;
     std::uint32_t first_overflow_bundle_ = 0;  // these are solved one after the other
