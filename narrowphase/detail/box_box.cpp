@@ -13,8 +13,9 @@ namespace {
 void touch_corners(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
     load_box(workspace.first, dvec3(as<Box>(pair.first).half_extents), dmat3{1.0}, dvec3{0.0});
     load_box(workspace.second, dvec3(as<Box>(pair.second).half_extents), pair.rotation, pair.translation);
+    const GjkResult distance = gjk(workspace.first.vertices, workspace.second.vertices, pair.margin);
     ContactAxis axis;
-    if (!find_axis(workspace.first, workspace.second, pair.margin, workspace.edges, axis)) return;
+    if (distance.beyond || !find_axis(workspace.first, workspace.second, distance, pair.margin, workspace.edges, axis)) return;
     Patch patch;
     build_patch(workspace.first, workspace.second, axis, pair.margin, AxisPoint::Keep, workspace.polygons, patch);
     sink.add(patch);

@@ -74,8 +74,10 @@ void build_box_edge_patch(const PairFrame& pair, const BoxAxis& axis, Patch& pat
 
     QuadCandidates points;
     points.push_back(edge_point(pair, axis, plane));
-    std::array<double, 32> sides;
-    collect_face_contact<4>(first.polygon(), second.polygon(), plane, sides, points);
+    if (share_points(std::abs(plane.normal[face_a]), std::abs(normal_b[face_b]))) {
+        std::array<double, 32> sides;
+        collect_face_contact<4>(first.polygon(), second.polygon(), plane, sides, points);
+    }
     patch.normal = plane.normal;
     const double snap = kSnap * std::min(first.least_side(), second.least_side());
     finish_patch<4>({points.items.data(), points.count}, first.polygon(), second.polygon(), {kPointTolerance * size, snap, outline_start(plane.normal, plane.axis_u, plane.axis_w)}, patch);

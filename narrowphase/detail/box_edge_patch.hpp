@@ -5,8 +5,8 @@
 
 namespace carom::detail {
 
-/// Fills `patch` with the crossing of the two edges of `axis`, and with what the two nearest faces share beside it: so a box that tips
-/// from a face to an edge keeps the points it had.
+/// Fills `patch` with the crossing of the two edges of `axis`, and, where the two nearest faces nearly face each other,
+/// with what they share: so a box that tips from a face to an edge keeps the points it had.
 void build_box_edge_patch(const PairFrame& pair, const BoxAxis& axis, Patch& patch) noexcept;
 
 }  // namespace carom::detail

@@ -34,7 +34,8 @@ struct PolytopeProbe {
                glm::any(glm::lessThan(t.upper, polytope.lower - dvec3{margin}));
     }
     bool axis(const Polytope& triangle, double margin, Workspace& workspace, ContactAxis& axis) const {
-        return find_axis(polytope, triangle, margin, workspace.edges, axis);
+        const GjkResult distance = gjk(polytope.vertices, triangle.vertices, margin);
+        return !distance.beyond && find_axis(polytope, triangle, distance, margin, workspace.edges, axis);
     }
     void patch(const Polytope& triangle, const ContactAxis& axis, double margin, AxisPoint point, Workspace& workspace,
                Patch& patch) const {
@@ -48,7 +49,7 @@ struct SegmentProbe {
 
     [[nodiscard]] double size() const noexcept { return core.radius + std::abs(core.segment.to.y); }
     [[nodiscard]] double reach(const dvec3& n) const noexcept {
-        return core.radius + std::max(glm::dot(core.segment.from, n), glm::dot(core.segment.to, n));
+        return core.radius * std::sqrt(glm::dot(n, n)) + std::max(glm::dot(core.segment.from, n), glm::dot(core.segment.to, n));
     }
     [[nodiscard]] bool beside(const NearTriangle& t, double margin) const noexcept {
         const dvec3 half = glm::abs(core.segment.to) + dvec3{core.radius + margin};
@@ -81,7 +82,6 @@ bool touch_triangle(const Probe& probe, const MeshSurface& surface, double margi
     const bool above = glm::dot(triangle.faces[0].normal, probe.centre) >= triangle.faces[0].offset;
     const Polytope::Face& face = triangle.faces[above ? 0 : 1];
     const double height = -probe.reach(-face.normal) - face.offset;  // of the shape over the face; negative below it
-    if (height > margin) return false;
     ContactAxis axis;
     if (!probe.axis(triangle, margin, workspace, axis)) return false;
 
@@ -96,13 +96,23 @@ bool touch_triangle(const Probe& probe, const MeshSurface& surface, double margi
     return patch.count > 0;
 }
 
+// Whether the shape is farther from the triangle's plane than the margin.
+template <class Probe>
+bool off_the_plane(const Probe& probe, const NearTriangle& t, double margin) noexcept {
+    const dvec3 n = glm::cross(t.corners[1] - t.corners[0], t.corners[2] - t.corners[0]);
+    const double offset = glm::dot(n, t.corners[0]), allowed = margin * std::sqrt(glm::dot(n, n));
+    return offset - probe.reach(n) > allowed || -offset - probe.reach(-n) > allowed;
+}
+
 template <class Probe>
 void touch_mesh(const PairFrame& pair, const Probe& probe, const Aabb& bounds, double same_normal, Workspace& workspace,
                 ManifoldSink& sink) {
     MeshSurface& surface = workspace.surface;
     surface.gather(pair, inflate(bounds, pair.margin + kInsideTolerance * probe.size()));
     for (const NearTriangle& t : surface.triangles) {
-        if (probe.beside(t, pair.margin) || !load_triangle(workspace.second, t.corners)) continue;
+        if (probe.beside(t, pair.margin) || off_the_plane(probe, t, pair.margin) || !load_triangle(workspace.second, t.corners)) {
+            continue;
+        }
         TrianglePatch contact;
         contact.triangle = t.index;
         if (touch_triangle(probe, surface, pair.margin, workspace, contact.patch)) surface.patches.push_back(contact);
@@ -126,7 +136,9 @@ CollideStatus box_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink
 }
 
 CollideStatus hull_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
-    load_hull(workspace.first, *as<ConvexHullPtr>(pair.first), dmat3{1.0}, dvec3{0.0});
+    const ConvexHull& hull = *as<ConvexHullPtr>(pair.first);
+    load_hull_vertices(workspace.first, hull, dmat3{1.0}, dvec3{0.0});
+    load_hull_faces(workspace.first, hull, dmat3{1.0});
     return polytope_mesh(pair, workspace, sink);
 }
 

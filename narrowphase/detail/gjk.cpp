@@ -132,9 +132,16 @@ GjkResult result_of(const Simplex& s, double distance, bool overlap, bool conver
     return r;
 }
 
+GjkResult beyond_result(double distance) noexcept {
+    GjkResult r;
+    r.distance = distance;
+    r.beyond = true;
+    return r;
+}
+
 }  // namespace
 
-GjkResult gjk(std::span<const dvec3> a, std::span<const dvec3> b) noexcept {
+GjkResult gjk(std::span<const dvec3> a, std::span<const dvec3> b, double cutoff) noexcept {
     Simplex simplex;
     simplex.add({a[0] - b[0], a[0], b[0], 0, 0, 1.0}, 1.0);
     double extent = 0.0;
@@ -148,7 +155,9 @@ GjkResult gjk(std::span<const dvec3> a, std::span<const dvec3> b) noexcept {
         const Corner next{a[ia] - b[ib], a[ia], b[ib], ia, ib, 1.0};
         extent = std::max({extent, std::abs(next.w.x), std::abs(next.w.y), std::abs(next.w.z)});
         const double distance = std::sqrt(vv);
-        bool known = vv - glm::dot(v, next.w) <= kRelative * vv + kRounding * extent * distance;
+        const double bound = glm::dot(v, next.w);  // the support plane is this far off, times the distance
+        if (bound > (cutoff + kRounding * extent) * distance) return beyond_result(distance);
+        bool known = vv - bound <= kRelative * vv + kRounding * extent * distance;
         for (int i = 0; i < simplex.count; ++i) known = known || (simplex[i].index_a == ia && simplex[i].index_b == ib);
         if (known) return result_of(simplex, distance, false, true);
 

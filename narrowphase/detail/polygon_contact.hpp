@@ -7,9 +7,11 @@
 #include <carom/narrowphase/detail/feature.hpp>
 #include <carom/narrowphase/detail/kernel.hpp>
 #include <carom/narrowphase/detail/reduce.hpp>
+#include <carom/narrowphase/detail/tolerances.hpp>
 
 #include <glm/geometric.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <span>
 #include <vector>
@@ -41,6 +43,13 @@ struct ContactPlane {
     double margin = 0.0;     ///< points with a larger separation are left out [m]
     double tolerance = 0.0;  ///< points outside by this much count as inside [m]
 };
+
+/// Whether two faces have points of contact in common, from the cosines of the angles at which they face the normal: one of them lies
+/// square to it and the other is not too steep to have heights over it, or both lie nearly square.
+[[nodiscard]] inline bool share_points(double cosine_a, double cosine_b) noexcept {
+    const double most = std::max(cosine_a, cosine_b), least = std::min(cosine_a, cosine_b);
+    return least > (most > kSquareCosine ? kLeastSlope : kFacingCosine);
+}
 
 /// Buffers for polygons of any size.
 struct PolygonScratch {

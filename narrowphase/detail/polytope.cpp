@@ -78,13 +78,16 @@ void load_box(Polytope& out, const dvec3& half, const dmat3& axes, const dvec3& 
     measure(out);
 }
 
-void load_hull(Polytope& out, const ConvexHull& hull, const dmat3& axes, const dvec3& origin) {
+void load_hull_vertices(Polytope& out, const ConvexHull& hull, const dmat3& axes, const dvec3& origin) {
     const auto vertices = hull.vertices();
-    const auto faces = hull.faces();
-    const auto edges = hull.edges();
     out.vertices.resize(vertices.size());
     for (std::size_t i = 0; i < vertices.size(); ++i) out.vertices[i] = origin + axes * dvec3(vertices[i]);
+    measure(out);
+}
 
+void load_hull_faces(Polytope& out, const ConvexHull& hull, const dmat3& axes) {
+    const auto faces = hull.faces();
+    const auto edges = hull.edges();
     out.faces.resize(faces.size());
     out.loop.clear();
     out.loop_edge.clear();
@@ -107,7 +110,6 @@ void load_hull(Polytope& out, const ConvexHull& hull, const dmat3& axes, const d
         out.edges[e] = {half.origin, twin.origin, out.vertices[twin.origin] - out.vertices[half.origin],
                         out.faces[half.face].normal, out.faces[twin.face].normal, e};
     }
-    measure(out);
 }
 
 bool load_triangle(Polytope& out, const std::array<dvec3, 3>& corners) {

@@ -42,7 +42,10 @@ struct Polytope {
 /// Each replaces what `out` held; `axes` and `origin` place the shape in the frame of the pair. Nothing is allocated once `out` has
 /// held a polytope as large.
 void load_box(Polytope& out, const dvec3& half_extents, const dmat3& axes, const dvec3& origin);
-void load_hull(Polytope& out, const ConvexHull& hull, const dmat3& axes, const dvec3& origin);
+
+/// A hull comes in two steps, because a pair that is apart needs its vertices only.
+void load_hull_vertices(Polytope& out, const ConvexHull& hull, const dmat3& axes, const dvec3& origin);
+void load_hull_faces(Polytope& out, const ConvexHull& hull, const dmat3& axes);
 
 /// A triangle as a solid without thickness: two faces, and each edge twice, once towards either face, because the normals that
 /// support an edge of a triangle sweep half a turn, which is no arc on the sphere of directions.

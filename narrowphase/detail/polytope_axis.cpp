@@ -1,4 +1,3 @@
-#include <carom/narrowphase/detail/gjk.hpp>
 #include <carom/narrowphase/detail/polytope_axis.hpp>
 #include <carom/narrowphase/detail/segment.hpp>
 #include <carom/narrowphase/detail/tolerances.hpp>
@@ -29,12 +28,14 @@ FaceSeparation best_face(const Polytope& of, const Polytope& other) noexcept {
     return best;
 }
 
-// Edges of `of` whose bounds come within `reach` of those of `other`.
-void edges_near(const Polytope& of, const Polytope& other, double reach, std::vector<std::uint32_t>& out) {
+// Edges of `of` whose bounds come within `reach` of those of `other`, and that come up to `height` along `up`.
+void edges_near(const Polytope& of, const Polytope& other, double reach, const dvec3& up, double height,
+                std::vector<std::uint32_t>& out) {
     const dvec3 lower = other.lower - dvec3{reach}, upper = other.upper + dvec3{reach};
     out.clear();
     for (std::uint32_t e = 0; e < of.edges.size(); ++e) {
         const dvec3 &p = of.vertices[of.edges[e].from], &q = of.vertices[of.edges[e].to];
+        if (glm::dot(p, up) < height && glm::dot(q, up) < height) continue;
         const dvec3 low = glm::min(p, q), high = glm::max(p, q);
         if (low.x <= upper.x && low.y <= upper.y && low.z <= upper.z && high.x >= lower.x && high.y >= lower.y && high.z >= lower.z) {
             out.push_back(e);
@@ -46,8 +47,15 @@ void edges_near(const Polytope& of, const Polytope& other, double reach, std::ve
 // edges make a face of the Minkowski difference (Gregorius 2013).
 bool arcs_cross(const Polytope::Edge& e, const Polytope::Edge& f) noexcept {
     const double cba = -glm::dot(f.left, e.direction), dba = -glm::dot(f.right, e.direction);
+    if (!(cba * dba < 0.0)) return false;
     const double adc = glm::dot(e.left, f.direction), bdc = glm::dot(e.right, f.direction);
-    return cba * dba < 0.0 && adc * bdc < 0.0 && cba * bdc > 0.0;
+    return adc * bdc < 0.0 && cba * bdc > 0.0;
+}
+
+double axis_support(const Polytope& p, const dvec3& direction) noexcept {
+    double reach = glm::dot(p.vertices[0], direction);
+    for (const dvec3& v : p.vertices) reach = std::max(reach, glm::dot(v, direction));
+    return reach;
 }
 
 struct EdgePair {
@@ -87,8 +95,12 @@ ContactAxis least_depth_axis(const Polytope& a, const Polytope& b, double reach,
         axis = {AxisKind::FaceOfA, a.faces[of_a.face].normal, of_a.separation, {}, {}, of_a.face, 0};
     }
     const double near = std::max(reach, -axis.separation) * (1.0 + 1e-9);
-    edges_near(a, b, near, lists.of_a);
-    edges_near(b, a, near, lists.of_b);
+    // Along the face's normal the shapes share a slab as thick as the depth; edges that touch come within reach of it.
+    const bool of_face_a = axis.kind == AxisKind::FaceOfA;
+    const double top_a = of_face_a ? a.faces[axis.feature_a].offset : axis_support(a, axis.normal);
+    const double top_b = of_face_a ? axis_support(b, -axis.normal) : b.faces[axis.feature_b].offset;
+    edges_near(a, b, near, axis.normal, -top_b - near, lists.of_a);
+    edges_near(b, a, near, -axis.normal, -top_a - near, lists.of_b);
     const EdgePair edges = best_edges(a, b, lists);
     if (edges.separation > axis.separation + kFacePreference * std::max(a.size, b.size)) {
         const Polytope::Edge &e = a.edges[edges.a], &f = b.edges[edges.b];
@@ -99,8 +111,7 @@ ContactAxis least_depth_axis(const Polytope& a, const Polytope& b, double reach,
     return axis;
 }
 
-bool find_axis(const Polytope& a, const Polytope& b, double margin, EdgeLists& lists, ContactAxis& axis) {
-    const GjkResult r = gjk(a.vertices, b.vertices);
+bool find_axis(const Polytope& a, const Polytope& b, const GjkResult& r, double margin, EdgeLists& lists, ContactAxis& axis) {
     const double size = std::max(a.size, b.size);
     if (r.converged) {
         if (r.distance > margin) return false;

@@ -1,9 +1,11 @@
 // The direction in which two polytopes touch.
 //
+//   const GjkResult distance = gjk(a.vertices, b.vertices, margin);
 //   ContactAxis axis;
-//   if (!find_axis(a, b, margin, workspace.edges, axis)) return;   // farther apart than the margin
+//   if (distance.beyond || !find_axis(a, b, distance, margin, workspace.edges, axis)) return;
 #pragma once
 
+#include <carom/narrowphase/detail/gjk.hpp>
 #include <carom/narrowphase/detail/polytope.hpp>
 
 #include <vector>
@@ -36,7 +38,8 @@ struct EdgeLists {
 /// @return false where the two are farther apart than `margin`.
 /// Accuracy: 1e-6 of the larger size. Total: where GJK stops at its cap, all axes are looked at instead.
 /// Cost: O(F_a V_b + F_b V_a + E_a E_b), and about 6 (V_a + V_b) for polytopes that are apart.
-bool find_axis(const Polytope& a, const Polytope& b, double margin, EdgeLists& lists, ContactAxis& axis);
+/// @param distance  gjk() of the vertices of a and b, with `margin` as the cutoff and not beyond it.
+bool find_axis(const Polytope& a, const Polytope& b, const GjkResult& distance, double margin, EdgeLists& lists, ContactAxis& axis);
 
 /// The axis of least depth alone, for polytopes that overlap; where they are apart, the greatest separation over the axes within reach.
 [[nodiscard]] ContactAxis least_depth_axis(const Polytope& a, const Polytope& b, double reach, EdgeLists& lists);

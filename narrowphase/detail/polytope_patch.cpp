@@ -72,7 +72,7 @@ void build_patch(const Polytope& a, const Polytope& b, const ContactAxis& axis, 
 
     std::vector<Candidate>& points = scratch.candidates;
     points.clear();
-    if (glm::dot(first.normal, plane.normal) > kLeastSlope && -glm::dot(second.normal, plane.normal) > kLeastSlope) {
+    if (share_points(glm::dot(first.normal, plane.normal), -glm::dot(second.normal, plane.normal))) {
         scratch.sides.resize(2 * first.corners.size() * second.corners.size());
         collect_face_contact<kAny>(first, second, plane, scratch.sides, points);
     }

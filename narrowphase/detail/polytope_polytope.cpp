@@ -1,4 +1,5 @@
 // Box against hull, and hull against hull.
+#include <carom/collision/convex_hull.hpp>
 #include <carom/narrowphase/detail/kernels.hpp>
 #include <carom/narrowphase/detail/polytope_patch.hpp>
 #include <carom/narrowphase/detail/workspace.hpp>
@@ -6,27 +7,37 @@
 namespace carom::detail {
 namespace {
 
-CollideStatus touch(double margin, Workspace& workspace, ManifoldSink& sink) {
+void touch(const GjkResult& distance, double margin, Workspace& workspace, ManifoldSink& sink) {
     ContactAxis axis;
-    if (!find_axis(workspace.first, workspace.second, margin, workspace.edges, axis)) return CollideStatus::Ok;
+    if (!find_axis(workspace.first, workspace.second, distance, margin, workspace.edges, axis)) return;
     Patch patch;
     build_patch(workspace.first, workspace.second, axis, margin, AxisPoint::Keep, workspace.polygons, patch);
     sink.add(patch);
-    return CollideStatus::Ok;
 }
 
 }  // namespace
 
 CollideStatus box_hull(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
+    const ConvexHull& hull = *as<ConvexHullPtr>(pair.second);
     load_box(workspace.first, dvec3(as<Box>(pair.first).half_extents), dmat3{1.0}, dvec3{0.0});
-    load_hull(workspace.second, *as<ConvexHullPtr>(pair.second), pair.rotation, pair.translation);
-    return touch(pair.margin, workspace, sink);
+    load_hull_vertices(workspace.second, hull, pair.rotation, pair.translation);
+    const GjkResult distance = gjk(workspace.first.vertices, workspace.second.vertices, pair.margin);
+    if (distance.beyond) return CollideStatus::Ok;
+    load_hull_faces(workspace.second, hull, pair.rotation);
+    touch(distance, pair.margin, workspace, sink);
+    return CollideStatus::Ok;
 }
 
 CollideStatus hull_hull(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
-    load_hull(workspace.first, *as<ConvexHullPtr>(pair.first), dmat3{1.0}, dvec3{0.0});
-    load_hull(workspace.second, *as<ConvexHullPtr>(pair.second), pair.rotation, pair.translation);
-    return touch(pair.margin, workspace, sink);
+    const ConvexHull &first = *as<ConvexHullPtr>(pair.first), &second = *as<ConvexHullPtr>(pair.second);
+    load_hull_vertices(workspace.first, first, dmat3{1.0}, dvec3{0.0});
+    load_hull_vertices(workspace.second, second, pair.rotation, pair.translation);
+    const GjkResult distance = gjk(workspace.first.vertices, workspace.second.vertices, pair.margin);
+    if (distance.beyond) return CollideStatus::Ok;
+    load_hull_faces(workspace.first, first, dmat3{1.0});
+    load_hull_faces(workspace.second, second, pair.rotation);
+    touch(distance, pair.margin, workspace, sink);
+    return CollideStatus::Ok;
 }
 
 }  // namespace carom::detail

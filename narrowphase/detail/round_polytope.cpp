@@ -45,7 +45,9 @@ CollideStatus capsule_box(const PairFrame& pair, Workspace& workspace, ManifoldS
 }
 
 CollideStatus capsule_hull(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
-    load_hull(workspace.second, *as<ConvexHullPtr>(pair.second), pair.rotation, pair.translation);
+    const ConvexHull& hull = *as<ConvexHullPtr>(pair.second);
+    load_hull_vertices(workspace.second, hull, pair.rotation, pair.translation);
+    load_hull_faces(workspace.second, hull, pair.rotation);
     return capsule_polytope(pair, workspace, sink);
 }
 
@@ -70,8 +72,8 @@ CollideStatus sphere_hull(const PairFrame& pair, Workspace& workspace, ManifoldS
     if (distance > 0.0 && !over_face(hull, *nearest, centre)) {
         std::vector<dvec3>& vertices = workspace.second.vertices;
         vertices.assign(hull.vertices().begin(), hull.vertices().end());
-        const GjkResult r = gjk(std::span<const dvec3>(&centre, 1), vertices);
-        if (r.distance - radius > pair.margin) return CollideStatus::Ok;
+        const GjkResult r = gjk(std::span<const dvec3>(&centre, 1), vertices, radius + pair.margin);
+        if (r.beyond || r.distance - radius > pair.margin) return CollideStatus::Ok;
         const Direction out = direction_of(r.on_b - r.on_a, dvec3{0.0});
         if (out.length > distance) {
             patch.normal = pair.rotation * out.unit;

@@ -89,7 +89,8 @@ std::uint64_t segment_name(double t, std::uint32_t edge) noexcept {
 bool find_axis(const RoundSegment& core, const Polytope& polytope, double margin, ContactAxis& axis) {
     const dvec3 ends[2] = {core.segment.from, core.segment.to};
     const std::size_t count = core.segment.from == core.segment.to ? 1 : 2;
-    const GjkResult r = gjk(std::span<const dvec3>(ends, count), polytope.vertices);
+    const GjkResult r = gjk(std::span<const dvec3>(ends, count), polytope.vertices, core.radius + margin);
+    if (r.beyond) return false;
     if (r.converged) {
         if (r.distance - core.radius > margin) return false;
         if (r.distance > kTouching * polytope.size) {

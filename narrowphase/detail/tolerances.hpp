@@ -25,9 +25,16 @@ inline constexpr double kPointTolerance = 1e-6;
 /// A point bears the name of a corner within this share of the shortest side of the faces.
 inline constexpr double kSnap = 0.02;
 
-/// Two faces share points of contact where both face the normal with at least this cosine. Heights over a face are divided by it;
+/// The least cosine between the normal of contact and a face that points are taken from. Heights over the face are divided by it;
 /// steeper faces fall away from the contact at once and have no further points within reach.
 inline constexpr double kLeastSlope = 0.05;
+
+/// Shapes that cross edges share points of their faces too where both face the normal to within acos(0.9) = 26 degrees. Beyond,
+/// the faces fall away by 0.4 of the distance from the crossing, and their points would carry nothing.
+inline constexpr double kFacingCosine = 0.9;
+
+/// A face this square to the normal of contact (1.4e-3 rad) is the face that the other shape lies on.
+inline constexpr double kSquareCosine = 1.0 - 1e-6;
 
 /// Capsules whose axes enclose an angle of at most this sine touch along a line: two points. Halves of length h and radius r then
 /// curve apart between the points by at most (0.03 h)^2 / (4 r), which the points do not show.
