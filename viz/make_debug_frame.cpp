@@ -13,7 +13,7 @@
 namespace carom {
 namespace {
 
-constexpr Color kGround{196, 190, 176, 255};
+constexpr Color kGround{206, 200, 186, 255};
 constexpr Color kQuarantined{120, 20, 24, 255};
 constexpr Color kTouching{222, 48, 40, 255};
 constexpr Color kApart{60, 132, 214, 255};
