@@ -7,7 +7,7 @@ namespace carom {
 
 /// The layers that a world fills. The order is that of DebugFrame::layers.
 enum class Layer : unsigned char {
-    Static,    ///< the shapes of static bodies
+    Static,    ///< the shapes of static bodies, without their backs
     Shapes,    ///< the shapes of dynamic and kinematic bodies
     Contacts,  ///< points of contact: warm colours touch, the cold one is within the margin only
     Normals,   ///< a line along the normal from each point, from A towards B

@@ -13,7 +13,7 @@
 namespace carom {
 namespace {
 
-constexpr Color kGround{196, 190, 176, 255};
+constexpr Color kGround{206, 200, 186, 255};
 constexpr Color kQuarantined{120, 20, 24, 255};
 constexpr Color kTouching{222, 48, 40, 255};
 constexpr Color kApart{60, 132, 214, 255};
@@ -82,7 +82,7 @@ private:
     }
 
     [[nodiscard]] double line_length() const noexcept {
-        return settings_.line_length > 0.0 ? settings_.line_length : extent_.radius / 20.0;
+        return settings_.line_length > 0.0 ? settings_.line_length : extent_.radius / 30.0;
     }
 
     [[nodiscard]] Color color_of(BodyId body, ShapeId shape) const {
@@ -170,6 +170,7 @@ std::vector<DebugLayer> make_layers() {
         layer.name = to_string(which);
         layer.visible = which == Layer::Static || which == Layer::Shapes || which == Layer::Contacts || which == Layer::Normals;
         layer.on_top = which == Layer::Contacts || which == Layer::Normals || which == Layer::Impulses;
+        layer.hide_backs = which == Layer::Static;
         layer.line_width = which == Layer::Impulses ? 3.0f : 1.5f;
     }
     return layers;

@@ -21,7 +21,7 @@ struct DebugFrameSettings {
     ColorBy color_by = ColorBy::Body;
     int segments = 20;               ///< round spheres and capsules: a multiple of 4, 4..256
     int bvh_depth = 6;               ///< deepest level of the layer "bvh" (the root is 0), >= 0
-    double line_length = 0.0;        ///< of a normal and of the largest impulse [m]; 0: a twentieth of the moving bodies' radius
+    double line_length = 0.0;        ///< of a normal and of the largest impulse [m]; 0: a thirtieth of the moving bodies' radius
     double plane_half_size = 0.0;    ///< half the side of a plane's patch [m]; 0: one and a half times the scene's radius
 };
 

@@ -44,6 +44,8 @@ TEST(MakeDebugFrame, HasEveryLayerInOrderAndIsValid) {
     park.world.step(1.0 / 60.0);
     const DebugFrame frame = make_debug_frame(park.world);
     ASSERT_EQ(frame.layers.size(), static_cast<std::size_t>(kLayerCount));
+    EXPECT_TRUE(layer(frame, Layer::Static).hide_backs);
+    EXPECT_FALSE(layer(frame, Layer::Shapes).hide_backs);
     for (int i = 0; i < kLayerCount; ++i) {
         EXPECT_EQ(frame.layers[static_cast<std::size_t>(i)].name, to_string(static_cast<Layer>(i)));
     }

@@ -60,6 +60,7 @@ inline constexpr BodyId kRedBody{3, 1};
 inline constexpr BodyId kBlueBody{4, 2};
 inline constexpr Color kRed{220, 20, 20, 255};
 inline constexpr Color kBlue{20, 20, 220, 255};
+inline constexpr Color kGround{196, 190, 176, 255};
 inline constexpr Color kGreen{0, 200, 0, 255};
 
 /// A red box to the left of a blue sphere, green contacts between them that the bodies hide from the front.
@@ -75,6 +76,17 @@ inline DebugFrame small_scene(const dvec3& origin = dvec3{0.0}) {
     DebugLayer names{.name = to_string(Layer::Names), .visible = false};
     names.texts.push_back({{-1.5f, 0.0f, 0.0f}, "red <box> & \"co\"", kRed, kRedBody});
     frame.layers = {shapes, contacts, names};
+    return frame;
+}
+
+inline constexpr BodyId kWallBody{9, 1};
+
+/// A wall in front of everything that faces the front camera (side = 1) or turns its back on it (-1), and hides its back.
+inline DebugFrame with_wall(DebugFrame frame, float side) {
+    DebugLayer wall{.name = to_string(Layer::Static), .hide_backs = true};
+    append_plane(wall, Plane{{0.0f, 0.0f, side}, 2.0f * side}, {}, {.half_size = 4.0, .tiles = 1}, {kGround, kGround, kWallBody, 20});
+    frame.layers.push_back(wall);
+    frame.layers[1].visible = false;
     return frame;
 }
 

@@ -85,6 +85,17 @@ TEST(Picture, WhatIsOnTopShinesThrough) {
     EXPECT_TRUE(greenish(hidden.at(200, 100)));  // the line between the bodies is in the open
 }
 
+TEST(Picture, HiddenBacksShowWhatIsBehindThem) {
+    const ScratchFolder folder("backs");
+    const std::string path = folder / "a.png";
+    DebugFrame frame = with_wall(small_scene(), -1.0f);
+    ASSERT_TRUE(render_to_png(frame, path, {.width = 400, .height = 200, .camera = front_camera()}));
+    EXPECT_TRUE(reddish(Image(path).at(151, 100)));
+    frame = with_wall(small_scene(), 1.0f);
+    ASSERT_TRUE(render_to_png(frame, path, {.width = 400, .height = 200, .camera = front_camera()}));
+    EXPECT_FALSE(reddish(Image(path).at(151, 100)));
+}
+
 TEST(Picture, HiddenLayersAreNotDrawnAndNamesAre) {
     const ScratchFolder folder("layers");
     const std::string path = folder / "a.png";

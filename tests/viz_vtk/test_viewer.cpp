@@ -73,6 +73,17 @@ TEST(Viewer, PicksTheBodyUnderThePointer) {
     EXPECT_EQ(viewer.pick(151, 100), BodyId{});
 }
 
+TEST(Viewer, PicksWhatIsDrawnBehindAHiddenBack) {
+    ViewerSource source{.frame = [] { return with_wall(small_scene(), -1.0f); }, .print = [](const std::string&) {}};
+    Viewer behind(source, small_window());
+    ASSERT_TRUE(behind.open());
+    EXPECT_EQ(behind.pick(151, 100), kRedBody);
+    source.frame = [] { return with_wall(small_scene(), 1.0f); };
+    Viewer before(source, small_window());
+    ASSERT_TRUE(before.open());
+    EXPECT_EQ(before.pick(151, 100), kWallBody);
+}
+
 TEST(Viewer, BadInputIsTyped) {
     const ViewerSource source{.frame = [] { return small_scene(); }};
     EXPECT_EQ(Viewer({}, small_window()).run().error().where, "ViewerSource::frame");

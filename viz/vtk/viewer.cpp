@@ -5,6 +5,7 @@
 #include <carom/viz/vtk/detail/display.hpp>
 
 #include <vtkCallbackCommand.h>
+#include <vtkCamera.h>
 #include <vtkCellPicker.h>
 #include <vtkInteractorStyleTrackballCamera.h>
 #include <vtkNew.h>
@@ -203,9 +204,19 @@ void Viewer::Impl::press(const std::string& key) {
 }
 
 BodyId Viewer::Impl::pick(int x, int y) {
+    dvec3 eye{0.0};
+    canvas->scene()->GetActiveCamera()->GetPosition(&eye.x);
     vtkNew<vtkCellPicker> picker;
     picker->SetTolerance(0.0);
-    if (picker->Pick(x, y, 0.0, canvas->scene()) == 0) return {};
+    bool hit = picker->Pick(x, y, 0.0, canvas->scene()) != 0;
+    if (hit && detail::FrameActors::is_hidden_back(picker->GetActor(), picker->GetCellId(), eye)) {
+        // The picker sees what is not drawn: look behind that layer.
+        vtkActor* seen_through = picker->GetActor();
+        seen_through->PickableOff();
+        hit = picker->Pick(x, y, 0.0, canvas->scene()) != 0;
+        seen_through->PickableOn();
+    }
+    if (!hit) return {};
     const BodyId body = detail::FrameActors::body_of(picker->GetActor(), picker->GetCellId());
     if (!body) return body;
     const std::string text = source.describe

@@ -43,12 +43,12 @@ void Canvas::add_lights() {
     sun_->SetLightTypeToSceneLight();
     sun_->PositionalOff();
     sun_->SetColor(1.0, 0.97, 0.92);
-    sun_->SetIntensity(0.92);
+    sun_->SetIntensity(0.85);
     scene_->AddLight(sun_);
     vtkNew<vtkLight> fill;  // from the viewer, so that no side that faces us is black
     fill->SetLightTypeToHeadlight();
     fill->SetColor(0.86, 0.92, 1.0);
-    fill->SetIntensity(0.42);
+    fill->SetIntensity(0.30);
     scene_->AddLight(fill);
 }
 
@@ -56,7 +56,7 @@ void Canvas::show(const DebugFrame& frame) {
     // The sun stands high, to the left and behind the front (the z axis, or x where up is z).
     const dvec3 up = glm::normalize(frame.up);
     const dvec3 side = any_perpendicular(up), front = glm::cross(side, up);
-    const dvec3 sun = glm::normalize(up + 0.35 * front - 0.45 * side);
+    const dvec3 sun = glm::normalize(0.8 * up + 0.45 * front - 0.6 * side);
     vtkCamera* camera = scene_->GetActiveCamera();
     const dvec3 shift = origin_ - frame.origin;
     if (shift != dvec3{0.0}) {

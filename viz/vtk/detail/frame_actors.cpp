@@ -3,6 +3,9 @@
 #include <carom/viz/vtk/detail/polydata.hpp>
 
 #include <vtkCellData.h>
+#include <vtkCellType.h>
+#include <vtkIdList.h>
+#include <vtkNew.h>
 #include <vtkPolyData.h>
 #include <vtkProperty.h>
 #include <vtkTextProperty.h>
@@ -75,6 +78,7 @@ void FrameActors::style(LayerActors& actors, const DebugLayer& layer) const {
             actor->GetProperty()->SetRenderPointsAsSpheres(true);
         }
     }
+    actors.triangles.actor->GetProperty()->SetBackfaceCulling(layer.hide_backs);
     if (layer.texts.empty()) return;
     const Color c = layer.texts.front().color;
     vtkTextProperty* text = actors.label_mapper->GetLabelTextProperty();
@@ -140,6 +144,17 @@ BodyId FrameActors::body_of(vtkActor* actor, vtkIdType cell) {
     auto* generation = vtkUnsignedIntArray::SafeDownCast(data->GetCellData()->GetArray("body_generation"));
     if (slot == nullptr || generation == nullptr) return {};
     return {slot->GetValue(cell), generation->GetValue(cell)};
+}
+
+bool FrameActors::is_hidden_back(vtkActor* actor, vtkIdType cell, const dvec3& eye) {
+    if (actor == nullptr || actor->GetProperty()->GetBackfaceCulling() == 0) return false;
+    auto* data = vtkPolyData::SafeDownCast(actor->GetMapper()->GetInput());
+    if (data == nullptr || cell < 0 || cell >= data->GetNumberOfCells() || data->GetCellType(cell) != VTK_TRIANGLE) return false;
+    vtkNew<vtkIdList> ids;
+    data->GetCellPoints(cell, ids);
+    dvec3 corner[3];
+    for (int k = 0; k < 3; ++k) data->GetPoint(ids->GetId(k), &corner[k].x);
+    return glm::dot(glm::cross(corner[1] - corner[0], corner[2] - corner[0]), eye - corner[0]) < 0.0;
 }
 
 }  // namespace carom::detail

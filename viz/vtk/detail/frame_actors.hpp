@@ -32,6 +32,9 @@ public:
     /// @return the body of a cell that a picker hit; null where the actor is none of ours.
     [[nodiscard]] static BodyId body_of(vtkActor* actor, vtkIdType cell);
 
+    /// @return true where the cell is a triangle that is not drawn, because `eye` (in the actor's coordinates) is behind it.
+    [[nodiscard]] static bool is_hidden_back(vtkActor* actor, vtkIdType cell, const dvec3& eye);
+
 private:
     /// One kind of primitive of one layer.
     struct Part {
