@@ -36,7 +36,7 @@ public:
 [[nodiscard]] std::unique_ptr<Engine> make_carom(World world);
 /// Bullet: btDiscreteDynamicsWorld, sequential impulses, btDbvtBroadphase.
 [[nodiscard]] std::unique_ptr<Engine> make_bullet(const SceneBodies& bodies);
-/// ODE: dWorldQuickStep over a hash space.
+/// ODE: dWorldQuickStep over a sweep-and-prune space.
 [[nodiscard]] std::unique_ptr<Engine> make_ode(const SceneBodies& bodies);
 
 }  // namespace carom::bench
