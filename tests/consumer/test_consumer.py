@@ -7,8 +7,8 @@ import os
 import pathlib
 import re
 import shlex
+import shutil
 import subprocess
-import tempfile
 import unittest
 
 HERE = pathlib.Path(__file__).resolve().parent
@@ -27,9 +27,8 @@ def leaked(command):
 class Consumer(unittest.TestCase):
     @classmethod
     def setUpClass(cls):
-        folder = tempfile.TemporaryDirectory()
-        cls.addClassCleanup(folder.cleanup)
-        cls.folder = pathlib.Path(folder.name)
+        cls.folder = pathlib.Path(os.environ["CAROM_BUILD"], "consumer")  # always the same place, so that ccache knows it
+        shutil.rmtree(cls.folder, ignore_errors=True)
         cls.prefix = cls.folder / "prefix"
         cls.run_program("cmake", "--install", os.environ["CAROM_BUILD"], "--prefix", cls.prefix)
 
