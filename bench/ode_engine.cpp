@@ -53,6 +53,7 @@ struct MeshArrays {
         data = dGeomTriMeshDataCreate();
         dGeomTriMeshDataBuildSingle(data, vertices.data(), sizeof(vec3), static_cast<int>(vertices.size()), indices.data(),
                                     static_cast<int>(indices.size()), 3 * sizeof(dTriIndex));
+        dGeomTriMeshDataPreprocess2(data, 1u << dTRIDATAPREPROCESS_BUILD_FACE_ANGLES, nullptr);  // convex against mesh needs it
     }
     MeshArrays(const MeshArrays&) = delete;
     MeshArrays& operator=(const MeshArrays&) = delete;

@@ -33,6 +33,7 @@ ALLOWED = {
     "bench": TOP,
     "examples": LIBRARIES,
     "tests": TOP,
+    "tests/bench": TOP | {"bench"},
     "tests/cli": TOP | {"cli"},
     "tests/viz": TOP | {"viz/vtk"},
     "tests/viz_vtk": TOP | {"viz/vtk"},
