@@ -104,7 +104,7 @@ double rim_height(const TerrainSettings& settings, double x, double z) noexcept 
         return 0.0;
     }
     const double share = into / (0.125 * side);
-    return 0.25 * side * share * share;
+    return 0.1 * side * share * share;
 }
 
 MeshData diamond_square(const TerrainSettings& settings) {

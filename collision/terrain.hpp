@@ -26,7 +26,7 @@ struct TerrainSettings {
     double roughness = 0.5;  ///< factor of the displacements from one level to the next, 0..1; 2^-H for the Hurst exponent H
     double height = 1.0;     ///< of the corners, and of the first level's displacements before roughness [m], >= 0
     std::uint64_t seed = 1;
-    bool rim = false;        ///< the outer eighth of each side rises as a parabola, by a quarter of the terrain's side at the edge
+    bool rim = false;        ///< the outer eighth of each side rises as a parabola, to a tenth of the side, 58 degrees steep
 };
 
 /// Fractal terrain by the diamond-square algorithm (Fournier, Fussell, Carpenter 1982, Computer rendering of stochastic models,

@@ -14,6 +14,8 @@ namespace {
 
 // Frames over a whole run; each can hold every vertex of the scene.
 constexpr int kMostFrames = 60;
+// Round shapes in the frames: a third of the triangles that a picture has.
+constexpr int kSeriesSegments = 12;
 
 class VtkRecorder final : public Recorder {
 public:
@@ -44,16 +46,19 @@ public:
     }
 
 private:
-    static DebugFrame frame_of(const scenes::SceneRun& run, int done) {
-        DebugFrame frame = make_debug_frame(run.world, {.layers = kAllLayers & ~layer_bit(Layer::Bvh)});
+    static DebugFrame frame_of(const scenes::SceneRun& run, int done, int segments) {
+        DebugFrame frame =
+            make_debug_frame(run.world, {.layers = kAllLayers & ~layer_bit(Layer::Bvh), .segments = segments});
         frame.caption = fmt::format("{}, step {}, {:.2f} s", run.name, done, done * run.dt);
         return frame;
     }
 
-    Status add_frame(const scenes::SceneRun& run, int done) { return series_->add(frame_of(run, done), done * run.dt); }
+    Status add_frame(const scenes::SceneRun& run, int done) {
+        return series_->add(frame_of(run, done, kSeriesSegments), done * run.dt);
+    }
 
     Status draw(const scenes::SceneRun& run, int done, const PictureSettings& settings) const {
-        return render_to_png(frame_of(run, done), options_.picture, settings);
+        return render_to_png(frame_of(run, done, DebugFrameSettings{}.segments), options_.picture, settings);
     }
 
     RecorderOptions options_;

@@ -262,6 +262,22 @@ TEST(Cli, AReportGoesIntoAFileAndTheSummaryToStdout) {
     EXPECT_NE(outcome.out.find(json.at("state_hash").get<std::string>()), std::string::npos);
 }
 
+TEST(Cli, FramesGoIntoAFolderThatIsMade) {
+    if (!CAROM_HAS_VIZ) GTEST_SKIP() << "this build has no viz";
+    const TemporaryFolder folder;
+    const std::string out = folder.path("deep/frames");
+    const Outcome outcome = carom({"run", "tall_stack", "--bodies", "2", "--steps", "130", "--vtk", out, "--json", out + "/r.json"});
+    EXPECT_EQ(outcome.code, kOk) << outcome.err;
+    EXPECT_TRUE(std::filesystem::exists(out + "/frames.pvd"));
+    EXPECT_TRUE(std::filesystem::exists(out + "/r.json"));
+    std::size_t frames = 0;
+    for (const auto& file : std::filesystem::directory_iterator(out + "/frames")) {
+        frames += file.path().filename().string().starts_with("shapes") ? 1 : 0;
+    }
+    // The start, every third step of 130, and the last.
+    EXPECT_EQ(frames, 1u + 43u + 1u);
+}
+
 TEST(Cli, AFullDiskIsAFailureAfterTheRun) {
     if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
     const Outcome outcome = carom({"run", "tall_stack", "--bodies", "2", "--steps", "1", "--json", "/dev/full"});

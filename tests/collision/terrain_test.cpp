@@ -124,8 +124,8 @@ TEST(DiamondSquare, TheRimRisesOutsideAndNowhereElse) {
             EXPECT_NEAR(b.y - a.y, rim_height(settings, a.x, a.z), 1e-6);
         }
     }
-    EXPECT_DOUBLE_EQ(rim_height(settings, 8.0, 0.0), 4.0);
-    EXPECT_DOUBLE_EQ(rim_height(settings, -7.0, 2.0), 1.0);
+    EXPECT_DOUBLE_EQ(rim_height(settings, 8.0, 0.0), 1.6);
+    EXPECT_DOUBLE_EQ(rim_height(settings, -7.0, 2.0), 0.4);
     EXPECT_EQ(rim_height({.level = 5, .rim = false}, 8.0, 0.0), 0.0);
 }
 
