@@ -25,15 +25,19 @@ struct PolytopeProbe {
 
     [[nodiscard]] double size() const noexcept { return polytope.size; }
     [[nodiscard]] double reach(const dvec3& n) const noexcept {
-        double best = glm::dot(polytope.vertices[0], n);
-        for (const dvec3& v : polytope.vertices) best = std::max(best, glm::dot(v, n));
-        return best;
+        return reach_along(polytope, n);
     }
     [[nodiscard]] bool beside(const NearTriangle& t, double margin) const noexcept {
         return glm::any(glm::greaterThan(t.lower, polytope.upper + dvec3{margin})) ||
                glm::any(glm::lessThan(t.upper, polytope.lower - dvec3{margin}));
     }
     bool axis(const Polytope& triangle, double margin, Workspace& workspace, ContactAxis& axis) const {
+        // Most triangles this near overlap the shape, so the separating axes come before the distance.
+        const Corners corners{triangle.vertices[0], triangle.vertices[1], triangle.vertices[2]};
+        const dvec3 nearest = closest_on_triangle(corners, centre).point;
+        axis = greatest_separation(polytope, triangle, centre, nearest, workspace.edges);
+        if (axis.separation <= kTouching * polytope.size) return true;
+        if (axis.separation > margin) return false;
         const GjkResult distance = gjk(polytope.vertices, triangle.vertices, margin);
         return !distance.beyond && find_axis(polytope, triangle, distance, margin, workspace.edges, axis);
     }
@@ -79,8 +83,8 @@ dvec3 point_on_triangle(const Polytope& triangle, const ContactAxis& axis) noexc
 template <class Probe>
 bool touch_triangle(const Probe& probe, const MeshSurface& surface, double margin, Workspace& workspace, Patch& patch) {
     const Polytope& triangle = workspace.second;
-    const bool above = glm::dot(triangle.faces[0].normal, probe.centre) >= triangle.faces[0].offset;
-    const Polytope::Face& face = triangle.faces[above ? 0 : 1];
+    const bool above = glm::dot(triangle.planes[0].normal, probe.centre) >= triangle.planes[0].offset;
+    const Polytope::Face& face = triangle.planes[above ? 0 : 1];
     const double height = -probe.reach(-face.normal) - face.offset;  // of the shape over the face; negative below it
     ContactAxis axis;
     if (!probe.axis(triangle, margin, workspace, axis)) return false;
@@ -124,7 +128,7 @@ CollideStatus polytope_mesh(const PairFrame& pair, Workspace& workspace, Manifol
     const Polytope& polytope = workspace.first;
     Aabb bounds;
     for (const dvec3& v : polytope.vertices) bounds = add_ball(bounds, pair.to_second(v), 0.0);
-    touch_mesh(pair, PolytopeProbe{polytope, 0.5 * (polytope.lower + polytope.upper)}, bounds, kSameNormal, workspace, sink);
+    touch_mesh(pair, PolytopeProbe{polytope, polytope.centre}, bounds, kSameNormal, workspace, sink);
     return CollideStatus::Ok;
 }
 
@@ -138,7 +142,7 @@ CollideStatus box_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink
 CollideStatus hull_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
     const ConvexHull& hull = *as<ConvexHullPtr>(pair.first);
     load_hull_vertices(workspace.first, hull, dmat3{1.0}, dvec3{0.0});
-    load_hull_faces(workspace.first, hull, dmat3{1.0});
+    load_hull_faces(workspace.first, hull, dmat3{1.0}, dvec3{0.0});
     return polytope_mesh(pair, workspace, sink);
 }
 

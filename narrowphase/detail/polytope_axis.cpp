@@ -2,7 +2,6 @@
 #include <carom/narrowphase/detail/segment.hpp>
 #include <carom/narrowphase/detail/tolerances.hpp>
 
-#include <glm/common.hpp>
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -17,10 +16,13 @@ struct FaceSeparation {
     std::uint32_t face = 0;
 };
 
-FaceSeparation best_face(const Polytope& of, const Polytope& other) noexcept {
+// The plane among `planes` that separates best, if any does better than `floor`. `point` lies in `other`, and bounds each from above.
+FaceSeparation best_plane(std::span<const Polytope::Face> planes, const Polytope& other, const dvec3& point, double floor) noexcept {
     FaceSeparation best;
-    for (std::uint32_t f = 0; f < of.faces.size(); ++f) {
-        const Polytope::Face& face = of.faces[f];
+    best.separation = floor;
+    for (std::uint32_t f = 0; f < planes.size(); ++f) {
+        const Polytope::Face& face = planes[f];
+        if (glm::dot(face.normal, point) - face.offset <= best.separation) continue;
         double least = std::numeric_limits<double>::infinity();
         for (const dvec3& v : other.vertices) least = std::min(least, glm::dot(face.normal, v));
         if (least - face.offset > best.separation) best = {least - face.offset, f};
@@ -28,18 +30,12 @@ FaceSeparation best_face(const Polytope& of, const Polytope& other) noexcept {
     return best;
 }
 
-// Edges of `of` whose bounds come within `reach` of those of `other`, and that come up to `height` along `up`.
-void edges_near(const Polytope& of, const Polytope& other, double reach, const dvec3& up, double height,
-                std::vector<std::uint32_t>& out) {
-    const dvec3 lower = other.lower - dvec3{reach}, upper = other.upper + dvec3{reach};
+// The edges of `of` between whose faces a normal may separate better than `floor`; `point` lies in the other polytope.
+void edges_that_may_win(const Polytope& of, const dvec3& point, double floor, std::vector<Polytope::Edge>& out) {
     out.clear();
-    for (std::uint32_t e = 0; e < of.edges.size(); ++e) {
-        const dvec3 &p = of.vertices[of.edges[e].from], &q = of.vertices[of.edges[e].to];
-        if (glm::dot(p, up) < height && glm::dot(q, up) < height) continue;
-        const dvec3 low = glm::min(p, q), high = glm::max(p, q);
-        if (low.x <= upper.x && low.y <= upper.y && low.z <= upper.z && high.x >= lower.x && high.y >= lower.y && high.z >= lower.z) {
-            out.push_back(e);
-        }
+    const auto may_win = [&](std::uint32_t plane) { return glm::dot(of.planes[plane].normal, point) - of.planes[plane].offset > floor; };
+    for (std::uint32_t k = 0; k < of.edge_count(); ++k) {
+        if (may_win(of.half_edges[2 * k].face) || may_win(of.half_edges[2 * k + 1].face)) out.push_back(of.edge(k));
     }
 }
 
@@ -52,33 +48,26 @@ bool arcs_cross(const Polytope::Edge& e, const Polytope::Edge& f) noexcept {
     return adc * bdc < 0.0 && cba * bdc > 0.0;
 }
 
-double axis_support(const Polytope& p, const dvec3& direction) noexcept {
-    double reach = glm::dot(p.vertices[0], direction);
-    for (const dvec3& v : p.vertices) reach = std::max(reach, glm::dot(v, direction));
-    return reach;
-}
-
 struct EdgePair {
     double separation = -std::numeric_limits<double>::infinity();
     dvec3 normal{0.0};
-    std::uint32_t a = 0, b = 0;
+    const Polytope::Edge* a = nullptr;
+    const Polytope::Edge* b = nullptr;
 };
 
-EdgePair best_edges(const Polytope& a, const Polytope& b, const EdgeLists& lists) noexcept {
+EdgePair best_edges(const EdgeLists& lists) noexcept {
     EdgePair best;
-    for (const std::uint32_t j : lists.of_b) {
-        const Polytope::Edge& f = b.edges[j];
-        const double ff = glm::dot(f.direction, f.direction);
-        for (const std::uint32_t i : lists.of_a) {
-            const Polytope::Edge& e = a.edges[i];
+    for (const Polytope::Edge& f : lists.of_b) {
+        for (const Polytope::Edge& e : lists.of_a) {
             if (!arcs_cross(e, f)) continue;
             const dvec3 cross = glm::cross(e.direction, f.direction);
             const double length_sq = glm::dot(cross, cross);
-            if (!(length_sq > kParallelSine * kParallelSine * glm::dot(e.direction, e.direction) * ff)) continue;
+            const double sides = glm::dot(e.direction, e.direction) * glm::dot(f.direction, f.direction);
+            if (!(length_sq > kParallelSine * kParallelSine * sides)) continue;
             const double turn = glm::dot(cross, e.left + e.right) < 0.0 ? -1.0 : 1.0;
             const dvec3 normal = cross * (turn / std::sqrt(length_sq));
-            const double s = glm::dot(normal, b.vertices[f.from] - a.vertices[e.from]);
-            if (s > best.separation) best = {s, normal, i, j};
+            const double s = glm::dot(normal, f.from - e.from);
+            if (s > best.separation) best = {s, normal, &e, &f};
         }
     }
     return best;
@@ -86,27 +75,35 @@ EdgePair best_edges(const Polytope& a, const Polytope& b, const EdgeLists& lists
 
 }  // namespace
 
-ContactAxis least_depth_axis(const Polytope& a, const Polytope& b, double reach, EdgeLists& lists) {
-    const FaceSeparation of_a = best_face(a, b), of_b = best_face(b, a);
+ContactAxis greatest_separation(const Polytope& a, const Polytope& b, const dvec3& point_of_a, const dvec3& point_of_b,
+                                EdgeLists& lists) {
+    const FaceSeparation of_a = best_plane(a.faces(), b, point_of_b, -std::numeric_limits<double>::infinity());
+    const FaceSeparation of_b = best_plane(b.faces(), a, point_of_a, of_a.separation);
     ContactAxis axis;
     if (of_b.separation > of_a.separation) {
-        axis = {AxisKind::FaceOfB, -b.faces[of_b.face].normal, of_b.separation, {}, {}, 0, of_b.face};
+        axis = {AxisKind::FaceOfB, -b.planes[of_b.face].normal, of_b.separation, {}, {}, 0, of_b.face};
     } else {
-        axis = {AxisKind::FaceOfA, a.faces[of_a.face].normal, of_a.separation, {}, {}, of_a.face, 0};
+        axis = {AxisKind::FaceOfA, a.planes[of_a.face].normal, of_a.separation, {}, {}, of_a.face, 0};
     }
-    const double near = std::max(reach, -axis.separation) * (1.0 + 1e-9);
-    // Along the face's normal the shapes share a slab as thick as the depth; edges that touch come within reach of it.
-    const bool of_face_a = axis.kind == AxisKind::FaceOfA;
-    const double top_a = of_face_a ? a.faces[axis.feature_a].offset : axis_support(a, axis.normal);
-    const double top_b = of_face_a ? axis_support(b, -axis.normal) : b.faces[axis.feature_b].offset;
-    edges_near(a, b, near, axis.normal, -top_b - near, lists.of_a);
-    edges_near(b, a, near, -axis.normal, -top_a - near, lists.of_b);
-    const EdgePair edges = best_edges(a, b, lists);
-    if (edges.separation > axis.separation + kFacePreference * std::max(a.size, b.size)) {
-        const Polytope::Edge &e = a.edges[edges.a], &f = b.edges[edges.b];
-        const Segment on_a{a.vertices[e.from], a.vertices[e.to]}, on_b{b.vertices[f.from], b.vertices[f.to]};
+    // Below zero the bound holds for every normal of an arc; above, the arc of a sharp edge may do better than both its ends.
+    const double floor = std::min(0.0, axis.separation);
+    edges_that_may_win(a, point_of_b, floor, lists.of_a);
+    edges_that_may_win(b, point_of_a, floor, lists.of_b);
+    const EdgePair edges = best_edges(lists);
+    const double needed = axis.separation + kFacePreference * std::max(a.size, b.size);
+    const FaceSeparation side = best_plane(b.sides(), a, point_of_a, std::max(needed, edges.separation));
+    if (side.separation > std::max(needed, edges.separation)) {
+        // An arc of b meets one of a where its two halves join: the plane through the edge, square to the triangle.
+        const Polytope::Edge e = b.edge(b.sides()[side.face].first_edge / 2);
+        const dvec3 normal = -b.sides()[side.face].normal;
+        const std::uint32_t vertex = vertex_along(a, normal);
+        const Segment on_b{e.from, e.from + e.direction};
+        const dvec3 touch = on_b.at(closest_parameter(on_b, a.vertices[vertex]));
+        axis = {AxisKind::Edges, normal, side.separation, a.vertices[vertex], touch, vertex, e.name};
+    } else if (edges.separation > needed) {
+        const Segment on_a{edges.a->from, edges.a->from + edges.a->direction}, on_b{edges.b->from, edges.b->from + edges.b->direction};
         const SegmentParameters closest = closest_parameters(on_a, on_b);
-        axis = {AxisKind::Edges, edges.normal, edges.separation, on_a.at(closest.s), on_b.at(closest.t), e.name, f.name};
+        axis = {AxisKind::Edges, edges.normal, edges.separation, on_a.at(closest.s), on_b.at(closest.t), edges.a->name, edges.b->name};
     }
     return axis;
 }
@@ -120,8 +117,7 @@ bool find_axis(const Polytope& a, const Polytope& b, const GjkResult& r, double 
             return true;
         }
     }
-    // Without an answer from GJK every axis within its upper bound counts.
-    axis = least_depth_axis(a, b, r.converged ? kTouching * size : r.distance, lists);
+    axis = greatest_separation(a, b, a.centre, b.centre, lists);
     return axis.separation <= margin;
 }
 

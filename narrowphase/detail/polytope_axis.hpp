@@ -24,24 +24,26 @@ struct ContactAxis {
     std::uint32_t feature_b = 0;
 };
 
-/// Lists of edges that may touch, kept to save allocations.
+/// Lists of edges that may decide, kept to save allocations.
 struct EdgeLists {
-    std::vector<std::uint32_t> of_a, of_b;
+    std::vector<Polytope::Edge> of_a, of_b;
 };
 
-/// Finds the axis of contact of two polytopes in one frame.
+/// The greatest separation over the faces of both polytopes and the pairs of their edges whose arcs on the Gauss map cross (Gregorius,
+/// The Separating Axis Test between Convex Polyhedra, GDC 2013); where they overlap, the least depth.
 ///
-/// Apart: GJK gives the distance and its direction. Touching or overlapping: the axis of least depth over the faces of both and
-/// the pairs of edges whose arcs on the Gauss map cross (Gregorius, The Separating Axis Test between Convex Polyhedra, GDC 2013).
-/// At the least depth d the closest points of the two edges are d apart, so only edges within the least face depth of the
-/// other's bounds are looked at. A face wins over edges within kFacePreference of the size.
-/// @return false where the two are farther apart than `margin`.
-/// Accuracy: 1e-6 of the larger size. Total: where GJK stops at its cap, all axes are looked at instead.
-/// Cost: O(F_a V_b + F_b V_a + E_a E_b), and about 6 (V_a + V_b) for polytopes that are apart.
-/// @param distance  gjk() of the vertices of a and b, with `margin` as the cutoff and not beyond it.
-bool find_axis(const Polytope& a, const Polytope& b, const GjkResult& distance, double margin, EdgeLists& lists, ContactAxis& axis);
+/// What cannot win is left out: no normal between those of two faces separates a from a point of b by more than the better of the
+/// two does, so an edge both of whose faces stay below the best face for one point of b is not looked at. A face wins over edges within
+/// kFacePreference of the size.
+/// @param point_of_a, point_of_b  any points of the two; the nearer to the contact, the more is left out.
+/// Accuracy: 1e-6 of the larger size. Cost: O(F_a V_b + F_b V_a + E_a E_b) at worst.
+[[nodiscard]] ContactAxis greatest_separation(const Polytope& a, const Polytope& b, const dvec3& point_of_a, const dvec3& point_of_b,
+                                              EdgeLists& lists);
 
-/// The axis of least depth alone, for polytopes that overlap; where they are apart, the greatest separation over the axes within reach.
-[[nodiscard]] ContactAxis least_depth_axis(const Polytope& a, const Polytope& b, double reach, EdgeLists& lists);
+/// The axis of contact of two polytopes: where they are apart, the direction of their distance; otherwise that of their least depth.
+/// @param distance  gjk() of the vertices of a and b, with `margin` as the cutoff, and not beyond it. Where it stopped at its cap, the
+///                  separating axes decide alone.
+/// @return false where the two are farther apart than `margin`.
+bool find_axis(const Polytope& a, const Polytope& b, const GjkResult& distance, double margin, EdgeLists& lists, ContactAxis& axis);
 
 }  // namespace carom::detail

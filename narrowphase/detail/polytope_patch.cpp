@@ -11,11 +11,12 @@ namespace {
 constexpr std::size_t kAny = std::dynamic_extent;
 
 FacePolygon<kAny> polygon_of(const Polytope& p, std::uint32_t face, const ContactPlane& plane, std::vector<FaceCorner>& corners) {
-    const Polytope::Face& f = p.faces[face];
+    const Polytope::Face& f = p.planes[face];
     corners.clear();
-    for (std::uint32_t k = f.first; k < f.first + f.count; ++k) {
-        const dvec3& v = p.vertices[p.loop[k]];
-        corners.push_back({v, glm::dot(v, plane.axis_u), glm::dot(v, plane.axis_w), p.loop[k], p.loop_edge[k]});
+    std::uint32_t e = f.first_edge;
+    for (std::uint32_t k = 0; k < f.edge_count; ++k, e = p.half_edges[e].next) {
+        const dvec3& v = p.origin_of(e);
+        corners.push_back({v, glm::dot(v, plane.axis_u), glm::dot(v, plane.axis_w), p.half_edges[e].origin, p.edge_name(e / 2)});
     }
     return {corners, f.normal, f.offset};
 }
@@ -27,14 +28,6 @@ double least_side(std::span<const FaceCorner> corners) noexcept {
         least = std::min(least, glm::dot(d, d));
     }
     return std::sqrt(least);
-}
-
-std::uint32_t vertex_along(const Polytope& p, const dvec3& direction) noexcept {
-    std::uint32_t best = 0;
-    for (std::uint32_t i = 1; i < p.vertices.size(); ++i) {
-        if (glm::dot(p.vertices[i], direction) > glm::dot(p.vertices[best], direction)) best = i;
-    }
-    return best;
 }
 
 // The pair of points that the axis itself names: closest points, crossing edges, or the vertex that is deepest under a face.

@@ -23,7 +23,7 @@ CollideStatus box_hull(const PairFrame& pair, Workspace& workspace, ManifoldSink
     load_hull_vertices(workspace.second, hull, pair.rotation, pair.translation);
     const GjkResult distance = gjk(workspace.first.vertices, workspace.second.vertices, pair.margin);
     if (distance.beyond) return CollideStatus::Ok;
-    load_hull_faces(workspace.second, hull, pair.rotation);
+    load_hull_faces(workspace.second, hull, pair.rotation, pair.translation);
     touch(distance, pair.margin, workspace, sink);
     return CollideStatus::Ok;
 }
@@ -34,8 +34,8 @@ CollideStatus hull_hull(const PairFrame& pair, Workspace& workspace, ManifoldSin
     load_hull_vertices(workspace.second, second, pair.rotation, pair.translation);
     const GjkResult distance = gjk(workspace.first.vertices, workspace.second.vertices, pair.margin);
     if (distance.beyond) return CollideStatus::Ok;
-    load_hull_faces(workspace.first, first, dmat3{1.0});
-    load_hull_faces(workspace.second, second, pair.rotation);
+    load_hull_faces(workspace.first, first, dmat3{1.0}, dvec3{0.0});
+    load_hull_faces(workspace.second, second, pair.rotation, pair.translation);
     touch(distance, pair.margin, workspace, sink);
     return CollideStatus::Ok;
 }

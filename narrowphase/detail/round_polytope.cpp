@@ -47,7 +47,7 @@ CollideStatus capsule_box(const PairFrame& pair, Workspace& workspace, ManifoldS
 CollideStatus capsule_hull(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
     const ConvexHull& hull = *as<ConvexHullPtr>(pair.second);
     load_hull_vertices(workspace.second, hull, pair.rotation, pair.translation);
-    load_hull_faces(workspace.second, hull, pair.rotation);
+    load_hull_faces(workspace.second, hull, pair.rotation, pair.translation);
     return capsule_polytope(pair, workspace, sink);
 }
 

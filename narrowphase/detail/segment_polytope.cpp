@@ -14,8 +14,8 @@ ContactAxis least_depth_axis(const Segment& s, const Polytope& p) noexcept {
     ContactAxis axis;
     axis.kind = AxisKind::FaceOfB;
     axis.separation = -std::numeric_limits<double>::infinity();
-    for (std::uint32_t f = 0; f < p.faces.size(); ++f) {
-        const Polytope::Face& face = p.faces[f];
+    for (std::uint32_t f = 0; f < p.face_count; ++f) {
+        const Polytope::Face& face = p.planes[f];
         const double from = glm::dot(face.normal, s.from), to = glm::dot(face.normal, s.to);
         const double depth = std::min(from, to) - face.offset;
         if (depth > axis.separation) {
@@ -31,15 +31,16 @@ ContactAxis least_depth_axis(const Segment& s, const Polytope& p) noexcept {
     const dvec3 d = s.to - s.from;
     const double preference = kFacePreference * std::max(p.size, std::sqrt(glm::dot(d, d)));
     const ContactAxis face = axis;
-    for (const Polytope::Edge& e : p.edges) {
+    for (std::uint32_t k = 0; k < p.edge_count(); ++k) {
+        const Polytope::Edge e = p.edge(k);
         if (!(glm::dot(e.left, d) * glm::dot(e.right, d) < 0.0)) continue;
         const dvec3 cross = glm::cross(d, e.direction);
         const double length_sq = glm::dot(cross, cross);
         if (!(length_sq > kParallelSine * kParallelSine * glm::dot(d, d) * glm::dot(e.direction, e.direction))) continue;
         const dvec3 outward = cross * ((glm::dot(cross, e.left + e.right) < 0.0 ? -1.0 : 1.0) / std::sqrt(length_sq));
-        const double depth = glm::dot(outward, s.from - p.vertices[e.from]);
+        const double depth = glm::dot(outward, s.from - e.from);
         if (depth > axis.separation && depth > face.separation + preference) {
-            const Segment edge{p.vertices[e.from], p.vertices[e.to]};
+            const Segment edge{e.from, e.from + e.direction};
             const SegmentParameters closest = closest_parameters(s, edge);
             axis = {AxisKind::Edges, -outward, depth, s.at(closest.s), edge.at(closest.t), 0, e.name};
         }
@@ -57,16 +58,18 @@ ClippedSegment clip_to_face(const RoundSegment& core, const Polytope& p, const P
                             double tolerance) noexcept {
     const Segment& s = core.segment;
     ClippedSegment clip;
-    for (std::uint32_t k = 0; k < face.count; ++k) {
-        const dvec3& v = p.vertices[p.loop[face.first + k]];
-        const dvec3 edge = p.vertices[p.loop[face.first + (k + 1 < face.count ? k + 1 : 0)]] - v;
+    std::uint32_t e = face.first_edge;
+    for (std::uint32_t k = 0; k < face.edge_count; ++k) {
+        const std::uint32_t name = p.edge_name(e / 2);
+        const dvec3& v = p.origin_of(e);
+        e = p.half_edges[e].next;
+        const dvec3 edge = p.origin_of(e) - v;
         const dvec3 side = glm::cross(normal, edge);
         const double allowed = tolerance * std::sqrt(glm::dot(side, side));
         const double from = glm::dot(side, s.from - v), to = glm::dot(side, s.to - v);
         if (from <= allowed && to <= allowed) continue;
         if (from > allowed && to > allowed) return {1.0, 0.0, 0, 0};
         const double t = from / (from - to);
-        const std::uint32_t name = p.loop_edge[face.first + k];
         if (from > to && t > clip.low) {
             clip.low = t;
             clip.low_edge = name;
@@ -118,7 +121,7 @@ void build_patch(const RoundSegment& core, const Polytope& polytope, const Conta
     };
 
     const std::uint32_t f = axis.kind == AxisKind::FaceOfB ? axis.feature_b : face_along(polytope, -axis.normal);
-    const Polytope::Face& face = polytope.faces[f];
+    const Polytope::Face& face = polytope.planes[f];
     const double slope = glm::dot(face.normal, axis.normal);
     if (-slope > kLeastSlope && length > 0.0) {
         const ClippedSegment clip = clip_to_face(core, polytope, face, axis.normal, kInsideTolerance * size);
