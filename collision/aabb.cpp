@@ -119,13 +119,12 @@ double extent_of(const Box& box) { return 2.0 * smallest(dvec3{box.half_extents}
 double extent_of(const Capsule& capsule) { return 2.0 * static_cast<double>(capsule.radius); }
 double extent_of(const Plane&) { return kInfinity; }
 double extent_of(const ConvexHullPtr& hull) {
-    dvec3 lower{kInfinity};
-    dvec3 upper{-kInfinity};
-    for (const vec3& v : hull->vertices()) {
-        lower = glm::min(lower, dvec3{v});
-        upper = glm::max(upper, dvec3{v});
+    double least = kInfinity;
+    for (const ConvexHull::Face& face : hull->faces()) {
+        const dvec3 opposite{hull->vertices()[hull->support(-face.normal)]};
+        least = std::min(least, face.offset - glm::dot(face.normal, opposite));
     }
-    return smallest(upper - lower);
+    return least;
 }
 double extent_of(const TriangleMeshPtr& mesh) { return smallest(mesh->local_bounds().upper - mesh->local_bounds().lower); }
 

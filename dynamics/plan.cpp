@@ -69,10 +69,10 @@ Plan World::plan() const {
     }
     plan.settings.push_back(std::string("broadphase: ") + to_string(def.broadphase));
     plan.settings.push_back(sentence("substeps: %.0f a step", def.substeps));
-    plan.settings.push_back(sentence("contacts as springs of %.4g Hz, at most a quarter of the substep rate", def.contact_frequency));
+    plan.settings.push_back(sentence("contacts as springs of %.4g times the substep rate", def.contact_rate));
     plan.settings.push_back(sentence("damping ratio of contacts: %.4g", def.contact_damping));
     plan.settings.push_back(def.relax ? "a relax pass follows each substep" : "no relax pass: pushing overlap out adds energy");
-    plan.settings.push_back(sentence("overlap is pushed out at %.4g m/s at most", def.max_push_speed));
+    plan.settings.push_back(sentence("overlap is pushed out by at most %.4g of the smallest extent a step", def.max_push));
     return plan;
 }
 

@@ -49,9 +49,9 @@ struct StepReport {
 
     std::size_t undecided = 0;   ///< pairs whose narrowphase stopped at its cap
     std::size_t overflow = 0;    ///< manifolds beyond the last colour, solved one after the other
-    std::size_t deep = 0;        ///< points whose push-out speed was limited to WorldDef::max_push_speed
+    std::size_t deep = 0;        ///< points that began the step so deep that their push was limited by WorldDef::max_push
 
-    std::optional<Balance> balance;      ///< where WorldDef::report_balance is on
+    std::optional<Balance> balance;      ///< where WorldDef::report_balance is on, unless the step quarantined a body
     std::vector<BodyId> quarantined;     ///< bodies that went non-finite in this step: restored, stopped and out of the simulation
 
     [[nodiscard]] double ms(Stage stage) const noexcept { return stage_ms[static_cast<std::size_t>(stage)]; }

@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
 #include <utility>
 
 namespace carom {
@@ -19,21 +21,26 @@ using dynamics::Role;
 namespace {
 
 constexpr double kUnitTolerance = 1e-3;
+constexpr double kFarthest = 1e30;  // [m], for a centre of mass in its body
 
-/// @return null if all is well, else what is wrong with the settings.
-const char* fault_of(const WorldDef& def) {
-    if (!is_finite(def.gravity)) return "gravity must be finite";
-    if (def.substeps < 1 || def.substeps > 1024) return "substeps must be in 1..1024";
-    if (!is_finite(def.contact_frequency) || def.contact_frequency <= 0.0) return "contact_frequency must be positive";
-    if (!is_finite(def.contact_damping) || def.contact_damping < 0.0) return "contact_damping must not be negative";
-    if (!is_finite(def.max_push_speed) || def.max_push_speed < 0.0) return "max_push_speed must not be negative";
-    return nullptr;
-}
+/// Masses and moments that floats hold, with headroom for products and reciprocals.
+constexpr double kLeastMass = 1e-30;
+constexpr double kMostMass = 1e30;
 
 WorldDef checked(const WorldDef& def) {
-    const char* fault = fault_of(def);
-    CAROM_REQUIRE(fault == nullptr, ErrorCode::InvalidArgument, fault, WorldDef{});
+    const Status status = validate(def);
+    CAROM_REQUIRE(status.ok(), status.error().code, status.error().message, WorldDef{});
     return def;
+}
+
+bool in_mass_range(double x) { return x >= kLeastMass && x <= kMostMass; }
+
+/// Whether the solver's floats can hold such a body.
+Status check_mass_range(const MassProperties& m) {
+    if (Status status = validate(m); !status) return status;
+    const dvec3 moments = principal_axes(m.inertia).moments;
+    if (in_mass_range(m.mass) && in_mass_range(moments.x) && in_mass_range(moments.y) && in_mass_range(moments.z)) return {};
+    return Error{ErrorCode::InvalidArgument, "mass and moments of inertia must be within 1e-30 and 1e30", "mass properties"};
 }
 
 bool is_unit(const dquat& q) { return std::abs(glm::length(q) - 1.0) <= kUnitTolerance; }
@@ -47,19 +54,30 @@ const char* fault_of(const ShapeDef& def) {
     return nullptr;
 }
 
-Role role_of(BodyType type) {
-    switch (type) {
-        case BodyType::Static: return Role::Static;
-        case BodyType::Kinematic: return Role::Kinematic;
-        case BodyType::Dynamic: return Role::Dynamic;
-    }
-    return Role::Absent;
-}
-
 /// Farthest point of a shape from its body's centre of mass.
 double reach_of(const Shape& shape, const Pose& local) { return glm::length(local.position) + bounding_radius(shape); }
 
 }  // namespace
+
+Status validate(const WorldDef& def) {
+    const auto fault = [](ErrorCode code, const char* message) { return Status{Error{code, message, "WorldDef"}}; };
+    if (!is_finite(def.gravity)) return fault(ErrorCode::NotFinite, "gravity must be finite");
+    if (def.substeps < 1 || def.substeps > 1024) return fault(ErrorCode::InvalidArgument, "substeps must be in 1..1024");
+    if (!(def.contact_rate > 0.0 && def.contact_rate <= 0.25)) {
+        return fault(ErrorCode::InvalidArgument, "contact_rate must be in (0, 0.25]");
+    }
+    if (!is_finite(def.contact_damping) || def.contact_damping < 0.0) {
+        return fault(ErrorCode::InvalidArgument, "contact_damping must not be negative");
+    }
+    if (!is_finite(def.max_push) || def.max_push < 0.0) return fault(ErrorCode::InvalidArgument, "max_push must not be negative");
+    if (def.broadphase != BroadphaseMethod::BruteForce && def.broadphase != BroadphaseMethod::SweepAndPrune) {
+        return fault(ErrorCode::InvalidArgument, "no such broadphase");
+    }
+    if (def.plan != PlanMode::Automatic && def.plan != PlanMode::Everything) {
+        return fault(ErrorCode::InvalidArgument, "no such plan mode");
+    }
+    return {};
+}
 
 World::Impl::Impl(const WorldDef& settings) : def(settings), broadphase(make_broadphase(settings.broadphase)) {}
 
@@ -71,6 +89,7 @@ World& World::operator=(World&&) noexcept = default;
 const WorldDef& World::settings() const noexcept { return impl_->def; }
 
 BodyId World::create_body(const BodyDef& def) {
+    CAROM_REQUIRE(dynamics::role_of(def.type) != Role::Absent, ErrorCode::InvalidArgument, "no such body type", {});
     CAROM_REQUIRE(is_finite(def.position) && is_finite(def.orientation), ErrorCode::NotFinite, "the pose must be finite", {});
     CAROM_REQUIRE(is_unit(def.orientation), ErrorCode::InvalidArgument, "the orientation must be a unit quaternion", {});
     CAROM_REQUIRE(is_finite(def.linear_velocity) && is_finite(def.angular_velocity), ErrorCode::NotFinite,
@@ -87,8 +106,9 @@ BodyId World::create_body(const BodyDef& def) {
                                        moves ? def.linear_velocity : dvec3{0.0},
                                        moves ? def.angular_velocity : dvec3{0.0}};
     arrays.masses[id.slot] = BodyMass{};
-    arrays.roles[id.slot] = role_of(def.type);
-    impl_->update_mass(id);
+    arrays.roles[id.slot] = dynamics::role_of(def.type);
+    // Until it has shapes, a body moves as a kilogram with unit inertia.
+    if (def.type == BodyType::Dynamic) impl_->assign_mass(id, {1.0, dvec3{0.0}, dmat3{1.0}});
     impl_->body_order.push_back(id);
     return id;
 }
@@ -114,14 +134,20 @@ ShapeId World::add_shape(BodyId body, Shape shape, const ShapeDef& def) {
         const ShapeType type = type_of(shape);
         CAROM_REQUIRE(type != ShapeType::Plane && type != ShapeType::TriangleMesh, ErrorCode::WrongType,
                       "planes and triangle meshes only on static and kinematic bodies", {});
-        const Result<MassProperties> mass = carom::mass_properties(shape, def.density);
-        CAROM_REQUIRE(mass.has_value(), mass.error().code, mass.error().message, {});
     }
     ShapeDef kept = def;
     kept.local.orientation = glm::normalize(def.local.orientation);
+    std::optional<MassProperties> mass;
+    if (record->type == BodyType::Dynamic && !impl_->arrays.masses[body.slot].given) {
+        const Result<MassProperties> part = carom::mass_properties(shape, def.density);
+        CAROM_REQUIRE(part.has_value(), part.error().code, part.error().message, {});
+        mass = impl_->mass_with(*record, transform(*part, kept.local));
+        const Status range = check_mass_range(*mass);
+        CAROM_REQUIRE(range.ok(), range.error().code, range.error().message, {});
+    }
     const ShapeId id = impl_->shapes.insert({body, std::move(shape), kept});
     record->shapes.push_back(id);
-    impl_->update_mass(body);
+    if (mass) impl_->assign_mass(body, *mass);
     impl_->proxies_stale = true;
     return id;
 }
@@ -135,23 +161,21 @@ void World::set_mass_properties(BodyId body, const MassProperties& mass) {
     const dynamics::BodyRecord* record = impl_->bodies.find(body);
     CAROM_REQUIRE(record != nullptr, ErrorCode::DeadId, "no such body");
     CAROM_REQUIRE(record->type == BodyType::Dynamic, ErrorCode::WrongType, "only dynamic bodies have mass");
-    const Status status = validate(mass);
+    const Status status = check_mass_range(mass);
     CAROM_REQUIRE(status.ok(), status.error().code, status.error().message);
+    CAROM_REQUIRE(glm::length(mass.center) <= kFarthest, ErrorCode::InvalidArgument, "the centre of mass is too far away");
     impl_->assign_mass(body, mass);
     impl_->arrays.masses[body.slot].given = true;
     impl_->proxies_stale = true;
 }
 
-void World::Impl::update_mass(BodyId body) {
-    if (arrays.roles[body.slot] != Role::Dynamic || arrays.masses[body.slot].given) return;
-    std::vector<MassProperties> parts;
-    for (const ShapeId id : bodies.find(body)->shapes) {
+MassProperties World::Impl::mass_with(const dynamics::BodyRecord& record, const MassProperties& added) const {
+    std::vector<MassProperties> parts{added};
+    for (const ShapeId id : record.shapes) {
         const dynamics::ShapeRecord& s = *shapes.find(id);
         parts.push_back(transform(carom::mass_properties(s.shape, s.def.density).value(), s.def.local));
     }
-    // A body without shapes yet moves as a kilogram with unit inertia.
-    if (parts.empty()) parts.push_back({1.0, dvec3{0.0}, dmat3{1.0}});
-    assign_mass(body, combine(parts));
+    return combine(parts);
 }
 
 void World::Impl::assign_mass(BodyId body, const MassProperties& properties) {
@@ -190,7 +214,9 @@ void World::Impl::refresh_proxies() {
         proxy.shape = &s.shape;
         proxy.local = inverse(arrays.masses[slot].principal) * s.def.local;
         proxy.reach = reach_of(s.shape, proxy.local);
-        proxy.extent = smallest_extent(s.shape);
+        // A mesh is a surface: the box round it says nothing of how far ahead contacts with it are wanted.
+        proxy.extent = type_of(s.shape) == ShapeType::TriangleMesh ? std::numeric_limits<double>::infinity()
+                                                                    : smallest_extent(s.shape);
         proxy.friction = s.def.friction;
         proxy.restitution = s.def.restitution;
         proxy.filter = {s.def.layer, s.def.mask, arrays.roles[slot] == Role::Dynamic};
@@ -201,6 +227,7 @@ void World::Impl::refresh_proxies() {
             proxies.unbounded.push_back(proxy);
         }
     }
+    proxies.origin = dynamics::middle_of_motion(proxies, arrays);
     proxies.static_boxes_stale = true;
     proxies_stale = false;
     choices = choose();

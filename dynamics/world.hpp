@@ -32,12 +32,16 @@ struct WorldDef {
     Executor* executor = nullptr;     ///< null: serial. Not owned; must outlive the world
     BroadphaseMethod broadphase = BroadphaseMethod::SweepAndPrune;
     PlanMode plan = PlanMode::Automatic;
-    double contact_frequency = 90.0;  ///< soft contact [Hz], at most 1/(4h) of the substep h; doubled against static bodies
-    double contact_damping = 1.0;     ///< damping ratio of the soft contact
-    double max_push_speed = 4.0;      ///< overlap is removed at this speed at most [m/s]
+    double contact_rate = 0.1875;     ///< frequency of soft contacts over the substep rate 1/h, in (0, 0.25]: 90 Hz at h = 1/480 s;
+                                      ///< doubled against static bodies
+    double contact_damping = 1.0;     ///< damping ratio of the soft contact, >= 0
+    double max_push = 0.1;            ///< overlap is removed by at most this share of the smaller shape's smallest extent a step, >= 0
     bool relax = true;                ///< the pass that takes out the energy of the push
     bool report_balance = false;      ///< fill StepReport::balance
 };
+
+/// @return InvalidArgument or NotFinite with a message that names the setting, where one is out of its range.
+[[nodiscard]] Status validate(const WorldDef& def);
 
 /// A ray's first hit in a world.
 struct WorldRayHit {
@@ -48,9 +52,9 @@ struct WorldRayHit {
 
 /// One contact manifold with what it joins.
 struct ContactView {
-    ShapeId shape_a, shape_b;
+    ShapeId shape_a, shape_b;           ///< dead where they were destroyed since the step
     BodyId body_a, body_b;
-    dvec3 origin{0.0};                  ///< world position that the manifold's points are relative to [m]
+    dvec3 origin{0.0};                  ///< world position that the manifold's points are relative to, at the start of the step [m]
     const Manifold* manifold = nullptr;
     std::array<float, kMaxManifoldPoints> normal_impulse{};  ///< per point, of the last substep [N s]
 };
@@ -59,6 +63,7 @@ struct ContactView {
 /// handler before anything changes, and returns a null id, a zero value or nothing. Not thread-safe; const calls may run at once.
 class World {
 public:
+    /// A definition that validate() refuses is misuse; where the error handler returns, the world has the default settings.
     explicit World(const WorldDef& def = {});
     ~World();
     World(World&&) noexcept;
@@ -70,7 +75,8 @@ public:
     /// Removes the body and its shapes.
     void destroy_body(BodyId body);
     /// Adds a shape; the mass of a dynamic body is then the sum over its shapes. Planes and meshes only on static and kinematic
-    /// bodies; a mesh on a dynamic body is refused as WrongType in this version.
+    /// bodies; a mesh on a dynamic body is refused as WrongType in this version. Mass and moments of inertia must be within
+    /// 1e-30 .. 1e30 (kg, kg m²), here and in set_mass_properties: the solver's floats hold no others.
     ShapeId add_shape(BodyId body, Shape shape, const ShapeDef& def = {});
 
     [[nodiscard]] bool is_alive(BodyId body) const noexcept;
@@ -94,6 +100,8 @@ public:
     [[nodiscard]] const ShapeDef& shape_def(ShapeId shape) const;
     [[nodiscard]] Pose shape_pose(ShapeId shape) const;          ///< in the world
 
+    /// Puts a quarantined body back into the simulation, in the state it has; nothing for any other body.
+    void release(BodyId body);
     void set_pose(BodyId body, const Pose& pose);
     void set_linear_velocity(BodyId body, const dvec3& velocity);
     void set_angular_velocity(BodyId body, const dvec3& velocity);
@@ -115,7 +123,8 @@ public:
     [[nodiscard]] std::size_t contact_count() const noexcept;
     [[nodiscard]] ContactView contact(std::size_t index) const;
 
-    /// First hit over all shapes; ties go to the body created first. Linear in the number of shapes in this version.
+    /// First hit over all shapes but those of quarantined bodies; ties go to the body created first. Linear in the number of shapes
+    /// in this version.
     [[nodiscard]] std::optional<WorldRayHit> cast_ray(const Ray& ray) const;
 
 private:

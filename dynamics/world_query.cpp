@@ -66,8 +66,10 @@ std::optional<WorldRayHit> World::cast_ray(const Ray& ray) const {
     std::optional<WorldRayHit> best;
     Ray rest = ray;
     for (const BodyId body : impl_->body_order) {
+        const dynamics::BodyRecord& record = *impl_->bodies.find(body);
+        if (record.quarantined) continue;
         const Pose pose = impl_->body_pose(body);
-        for (const ShapeId id : impl_->bodies.find(body)->shapes) {
+        for (const ShapeId id : record.shapes) {
             const dynamics::ShapeRecord& s = *impl_->shapes.find(id);
             const std::optional<RayHit> hit = carom::cast_ray(s.shape, pose * s.def.local, rest);
             if (!hit || (best && hit->distance >= best->hit.distance)) continue;

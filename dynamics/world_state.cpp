@@ -93,6 +93,14 @@ Pose World::shape_pose(ShapeId shape) const {
     return impl_->body_pose(record->body) * record->def.local;
 }
 
+void World::release(BodyId body) {
+    CAROM_FIND_BODY(body);
+    if (!record->quarantined) return;
+    impl_->bodies.find(body)->quarantined = false;
+    impl_->arrays.roles[body.slot] = dynamics::role_of(record->type);
+    impl_->proxies_stale = true;
+}
+
 void World::set_pose(BodyId body, const Pose& pose) {
     CAROM_FIND_BODY(body);
     CAROM_REQUIRE(is_finite(pose), ErrorCode::NotFinite, "the pose must be finite");
@@ -118,8 +126,12 @@ void World::apply_impulse(BodyId body, const dvec3& impulse, const dvec3& point)
     CAROM_REQUIRE(is_finite(impulse) && is_finite(point), ErrorCode::NotFinite, "impulse and point must be finite");
     dynamics::BodyState& state = impl_->arrays.states[body.slot];
     const dynamics::BodyMass& mass = impl_->arrays.masses[body.slot];
-    state.velocity += mass.inverse_mass * impulse;
-    state.spin += dynamics::world_inverse_inertia(state, mass) * glm::cross(point - state.pose.position, impulse);
+    const dvec3 velocity = state.velocity + mass.inverse_mass * impulse;
+    const dvec3 spin =
+        state.spin + dynamics::world_inverse_inertia(state, mass) * glm::cross(point - state.pose.position, impulse);
+    CAROM_REQUIRE(is_finite(velocity) && is_finite(spin), ErrorCode::InvalidArgument, "the impulse is too large for the body");
+    state.velocity = velocity;
+    state.spin = spin;
 }
 
 }  // namespace carom

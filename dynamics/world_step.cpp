@@ -50,17 +50,24 @@ Balance operator-(const Balance& after, const Balance& before) {
 
 }  // namespace
 
-void World::Impl::quarantine(std::uint32_t slot, StepReport& report) {
+void World::Impl::quarantine_unusable(double dt, StepReport& report) {
+    last_valid.resize(arrays.states.size());
     for (const BodyId id : body_order) {
-        if (id.slot != slot) continue;
+        const std::uint32_t slot = id.slot;
+        if (arrays.roles[slot] == Role::Absent) continue;
+        dynamics::BodyState& state = arrays.states[slot];
+        if (dynamics::is_usable(state, dt)) {
+            last_valid[slot].id = id;
+            last_valid[slot].pose = state.pose;
+            continue;
+        }
+        // A body that was never valid has no pose to go back to but the origin.
+        state = {last_valid[slot].id == id ? last_valid[slot].pose : Pose{}, dvec3{0.0}, dvec3{0.0}};
+        arrays.roles[slot] = Role::Absent;
         bodies.find(id)->quarantined = true;
         report.quarantined.push_back(id);
+        proxies_stale = true;
     }
-    arrays.states[slot] = last_valid[slot];
-    arrays.states[slot].velocity = dvec3{0.0};
-    arrays.states[slot].spin = dvec3{0.0};
-    arrays.roles[slot] = Role::Absent;
-    proxies_stale = true;
 }
 
 StepReport World::step(double dt) {
@@ -71,31 +78,25 @@ StepReport World::step(double dt) {
     Impl& w = *impl_;
     Executor& executor = w.executor();
     dynamics::Step step(dt);
+    step.run(Stage::Quarantine, [&] { w.quarantine_unusable(dt, step.report); });
     if (w.proxies_stale) w.refresh_proxies();
     const dynamics::StepChoices choices = w.choices;
     const dynamics::Motion motion{w.def.gravity, dt};
     const Balance before = w.def.report_balance ? balance_of(*this) : Balance{};
-    w.last_valid = w.arrays.states;
     std::swap(w.contacts, w.previous);
     w.contacts.clear();
 
     if (choices.contacts) {
-        step.run(Stage::Bounds, [&] {
-            dynamics::update_swept_bounds(w.proxies, w.arrays, motion, executor, w.lost);
-            if (w.lost.empty()) return;
-            for (const std::uint32_t slot : w.lost) w.quarantine(slot, step.report);
-            w.refresh_proxies();
-            dynamics::update_swept_bounds(w.proxies, w.arrays, motion, executor, w.lost);
-        });
+        step.run(Stage::Bounds, [&] { dynamics::update_swept_bounds(w.proxies, w.arrays, motion, executor); });
         step.run(Stage::Pairs, [&] {
             const std::span<const ProxyPair> found = w.broadphase->update(w.proxies.boxes, w.proxies.filters, executor);
-            dynamics::gather_pairs(w.proxies, w.arrays, found, w.contacts.pairs);
+            dynamics::gather_pairs(w.proxies, w.arrays, found, dt, w.contacts.pairs);
         });
         step.run(Stage::Collide, [&] {
-            dynamics::list_shape_pairs(w.proxies, w.arrays, w.contacts.pairs, executor, w.shape_pairs);
+            dynamics::list_shape_pairs(w.proxies, w.arrays, w.contacts.pairs, dt, executor, w.shape_pairs);
             step.report.undecided = collide(w.shape_pairs, executor, w.collide_scratch, w.contacts.manifolds).undecided;
             dynamics::link_manifolds(w.contacts);
-            dynamics::carry_impulses(w.contacts, w.previous);
+            dynamics::carry_impulses(w.contacts, w.previous, w.impulse_scale(dt));
         });
         step.run(Stage::Prepare, [&] { w.solver.prepare(w.contacts, w.proxies, w.arrays, w.solver_settings(dt), executor); });
         for (int k = 0; k < w.def.substeps; ++k) {
@@ -110,14 +111,11 @@ StepReport World::step(double dt) {
         count_contacts(step.report, w.contacts, w.solver);
     }
     step.run(Stage::Positions, [&] { integrate_free_bodies(w.arrays, w.solver, choices.contacts, motion, executor); });
-    step.run(Stage::Quarantine, [&] {
-        for (std::uint32_t slot = 0; slot < w.arrays.roles.size(); ++slot) {
-            if (w.arrays.roles[slot] != Role::Absent && !is_finite(w.arrays.states[slot])) w.quarantine(slot, step.report);
-        }
-    });
+    step.run(Stage::Quarantine, [&] { w.quarantine_unusable(dt, step.report); });
 
+    w.last_substep = dt / w.def.substeps;
     step.report.step = ++w.steps;
-    if (w.def.report_balance) step.report.balance = balance_of(*this) - before;
+    if (w.def.report_balance && step.report.quarantined.empty()) step.report.balance = balance_of(*this) - before;
     return step.finish();
 }
 

@@ -4,10 +4,12 @@
 
 #include <oneapi/tbb/blocked_range.h>
 #include <oneapi/tbb/global_control.h>
+#include <oneapi/tbb/info.h>
 #include <oneapi/tbb/parallel_for.h>
 #include <oneapi/tbb/task_arena.h>
 
 #include <algorithm>
+#include <optional>
 
 namespace carom {
 namespace {
@@ -20,9 +22,12 @@ int checked(int threads) {
 }  // namespace
 
 struct TbbExecutor::Arena {
-    explicit Arena(int threads)
-        : limit(oneapi::tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads)), arena(threads) {}
-    oneapi::tbb::global_control limit;  // lets an arena be wider than the machine, for tests of determinism
+    explicit Arena(int threads) : arena(threads) {
+        if (threads > oneapi::tbb::info::default_concurrency()) {
+            limit.emplace(oneapi::tbb::global_control::max_allowed_parallelism, static_cast<std::size_t>(threads));
+        }
+    }
+    std::optional<oneapi::tbb::global_control> limit;  // only to be wider than the machine; never lowers others' limit
     oneapi::tbb::task_arena arena;
 };
 

@@ -35,4 +35,16 @@ struct BodyMass {
     return carom::is_finite(s.pose) && carom::is_finite(s.velocity) && carom::is_finite(s.spin);
 }
 
+/// How far, how fast and how many turns a step can follow: squares of these fit into the solver's floats, and the free rotation
+/// takes at most 128,000 cycles.
+inline constexpr double kMostDistance = 1e30;  ///< from the world's origin [m]
+inline constexpr double kMostSpeed = 1e15;     ///< [m/s], and of the points by the spin, [rad/s]
+inline constexpr double kMostTurn = 2000.0;    ///< [rad] in one step
+
+/// Whether a step of `dt` can take this state on.
+[[nodiscard]] inline bool is_usable(const BodyState& s, double dt) noexcept {
+    return is_finite(s) && glm::length(s.pose.position) <= kMostDistance && glm::length(s.velocity) <= kMostSpeed &&
+           glm::length(s.spin) <= kMostSpeed && glm::length(s.spin) * dt <= kMostTurn;
+}
+
 }  // namespace carom::dynamics

@@ -60,6 +60,7 @@ void fill_lane(ContactBundle& bundle, std::size_t lane, const LaneInput& input) 
     bundle.bias_rate[lane] = input.soft.bias_rate;
     bundle.mass_scale[lane] = input.soft.mass_scale;
     bundle.impulse_scale[lane] = input.soft.impulse_scale;
+    bundle.push_limit[lane] = input.push_limit;
     const auto count = static_cast<std::int32_t>(input.manifold->count);
     bundle.point_count = std::max(bundle.point_count, count);
     for (std::size_t k = 0; k < input.manifold->count; ++k) fill_point(bundle.points[k], lane, input, k);

@@ -15,6 +15,7 @@ struct LaneInput {
     vec3 origin_a{0.0f}, origin_b{0.0f};  ///< the manifold's origin from the centres of mass [m]
     float friction = 0.0f, restitution = 0.0f;
     SoftContact soft;
+    float push_limit = 0.0f;  ///< [m/s]
 };
 
 /// Makes every lane a no-op: bodies that never move, no mass, no impulse.

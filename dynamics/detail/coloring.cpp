@@ -8,10 +8,10 @@ namespace {
 
 constexpr std::uint8_t kNoColor = kMaxColors;
 
-/// Takes the first colour >= `from` that neither mask holds.
-std::uint8_t take_color(std::uint32_t taken, unsigned from) {
-    const std::uint32_t free = from < kMaxColors ? ~taken & (~std::uint32_t{0} << from) : 0u;
-    return free != 0 ? static_cast<std::uint8_t>(std::countr_zero(free)) : kNoColor;
+/// Takes the first colour in [from, end) that the mask does not hold.
+std::uint8_t take_color(std::uint32_t taken, unsigned from, unsigned end) {
+    const auto color = static_cast<unsigned>(std::countr_zero(~taken & (~std::uint32_t{0} << from)));
+    return color < end ? static_cast<std::uint8_t>(color) : kNoColor;
 }
 
 std::uint32_t bit_of(std::uint8_t color) { return color < kMaxColors ? std::uint32_t{1} << color : 0u; }
@@ -26,7 +26,7 @@ void Coloring::color(std::span<const ContactRows> rows, std::int32_t movable) {
         if (rows[i].a >= movable || rows[i].b >= movable) continue;
         std::uint32_t& a = used_[static_cast<std::size_t>(rows[i].a)];
         std::uint32_t& b = used_[static_cast<std::size_t>(rows[i].b)];
-        colors_[i] = take_color(a | b, 0);
+        colors_[i] = take_color(a | b, 0, kMaxSharedColors);
         a |= bit_of(colors_[i]);
         b |= bit_of(colors_[i]);
         if (colors_[i] != kNoColor && colors_[i] >= shared_colors) shared_colors = colors_[i] + 1u;
@@ -34,7 +34,7 @@ void Coloring::color(std::span<const ContactRows> rows, std::int32_t movable) {
     for (std::size_t i = 0; i < rows.size(); ++i) {
         if (rows[i].a < movable && rows[i].b < movable) continue;
         std::uint32_t& row = used_[static_cast<std::size_t>(rows[i].a < movable ? rows[i].a : rows[i].b)];
-        colors_[i] = take_color(row, shared_colors);
+        colors_[i] = take_color(row, shared_colors, kMaxColors);
         row |= bit_of(colors_[i]);
     }
 

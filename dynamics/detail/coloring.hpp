@@ -14,6 +14,8 @@ struct ContactRows {
 };
 
 inline constexpr std::uint32_t kMaxColors = 32;
+/// Contacts between two movable rows use the first of them only, so that the rest is always left for the others.
+inline constexpr std::uint32_t kMaxSharedColors = 24;
 
 /// First-fit colouring in the order given. Contacts between two movable rows come first, then, in later colours, those with
 /// one movable row: solved last, they have the last word against what cannot give way.

@@ -48,6 +48,7 @@ struct alignas(64) ContactBundle {
     Wide<float> nx{}, ny{}, nz{};         ///< normal from A to B
     Wide<float> friction{}, restitution{};
     Wide<float> bias_rate{}, mass_scale{}, impulse_scale{};  ///< soft contact (see soft_contact)
+    Wide<float> push_limit{};             ///< overlap is removed at this speed at most [m/s]
     std::array<PointLanes, 4> points{};
     Wide<std::uint32_t> manifold{};       ///< index of the manifold; kUnusedLane where there is none
     std::int32_t point_count = 0;         ///< the largest of its lanes

@@ -52,7 +52,9 @@ void warm_start_bundle(ContactBundle& c, SolverBodies& all, int lane) {
 }
 
 /// Coulomb friction in the tangent plane: one scalar step in both directions, then back radially into the circle.
-HWY_INLINE void solve_friction(PointLanes& p, int lane, Floats friction, const Basis& basis, Bodies& a, Bodies& b) {
+/// @param to_speed  about 1 / tangent mass: lengths are compared as speeds, whose squares fit into floats at any mass.
+HWY_INLINE void solve_friction(PointLanes& p, int lane, Floats friction, Floats to_speed, const Basis& basis, Bodies& a,
+                               Bodies& b) {
     const Floats3 ra = lever_a(p, lane);
     const Floats3 rb = lever_b(p, lane);
     const Floats3 dv = b.velocity_at(rb) - a.velocity_at(ra);
@@ -61,8 +63,10 @@ HWY_INLINE void solve_friction(PointLanes& p, int lane, Floats friction, const B
     const Floats old2 = get(p.tangent_impulse_2, lane);
     const Floats new1 = old1 - mass * dot(dv, basis.t1);
     const Floats new2 = old2 - mass * dot(dv, basis.t2);
-    const Floats limit = friction * get(p.normal_impulse, lane);
-    const Floats length_sq = new1 * new1 + new2 * new2;
+    const Floats limit = friction * (get(p.normal_impulse, lane) * to_speed);
+    const Floats speed1 = new1 * to_speed;
+    const Floats speed2 = new2 * to_speed;
+    const Floats length_sq = speed1 * speed1 + speed2 * speed2;
     const Floats one = broadcast(1.0f);
     const Mask slips = length_sq > limit * limit;
     const Floats scale = select(slips, limit / sqrt(select(slips, length_sq, one)), one);
@@ -76,7 +80,7 @@ HWY_INLINE void solve_friction(PointLanes& p, int lane, Floats friction, const B
 }
 
 struct SoftLanes {
-    Floats bias_rate, mass_scale, impulse_scale;
+    Floats bias_rate, mass_scale, impulse_scale, push_limit;
 };
 
 template <bool kBias>
@@ -89,7 +93,7 @@ HWY_INLINE void solve_normal(PointLanes& p, int lane, const SoftLanes& soft, con
     Floats mass_scale = one;
     Floats impulse_scale = zero;
     if constexpr (kBias) {
-        const Floats push = max(soft.bias_rate * separation, broadcast(-settings.max_push_speed));
+        const Floats push = max(soft.bias_rate * separation, -soft.push_limit);
         bias = select(apart, bias, push);
         mass_scale = select(apart, one, soft.mass_scale);
         impulse_scale = select(apart, zero, soft.impulse_scale);
@@ -117,9 +121,13 @@ void solve_bundle(ContactBundle& c, SolverBodies& all, const SolveSettings& sett
     const Displacement db = read_displacement(all, rows_b);
     const Basis basis = make_basis(c, lane);
     const Floats friction = get(c.friction, lane);
-    const SoftLanes soft{get(c.bias_rate, lane), get(c.mass_scale, lane), get(c.impulse_scale, lane)};
+    const SoftLanes soft{get(c.bias_rate, lane), get(c.mass_scale, lane), get(c.impulse_scale, lane),
+                         get(c.push_limit, lane)};
+    const Floats first_mass = get(c.points[0].tangent_mass, lane);
+    const Mask used = first_mass > broadcast(0.0f);
+    const Floats to_speed = select(used, broadcast(1.0f) / select(used, first_mass, broadcast(1.0f)), broadcast(0.0f));
     for (int k = 0; k < c.point_count; ++k) {
-        solve_friction(c.points[static_cast<std::size_t>(k)], lane, friction, basis, a, b);
+        solve_friction(c.points[static_cast<std::size_t>(k)], lane, friction, to_speed, basis, a, b);
     }
     for (int k = 0; k < c.point_count; ++k) {
         PointLanes& p = c.points[static_cast<std::size_t>(k)];
@@ -180,8 +188,12 @@ HWY_INLINE void prepare_point(PointLanes& p, int lane, const Basis& basis, const
     const Floats k11 = linear + response(a, b, a1, b1, a1, b1);
     const Floats k22 = linear + response(a, b, a2, b2, a2, b2);
     const Floats k12 = response(a, b, a1, b1, a2, b2);
-    const Floats half_difference = broadcast(0.5f) * (k11 - k22);
-    const Floats largest = broadcast(0.5f) * (k11 + k22) + sqrt(half_difference * half_difference + k12 * k12);
+    // The largest eigenvalue, from entries divided by the trace: their squares would leave the range of floats.
+    const Floats trace = k11 + k22;
+    const Floats scale = select(trace > broadcast(0.0f), trace, broadcast(1.0f));
+    const Floats half_difference = broadcast(0.5f) * (k11 - k22) / scale;
+    const Floats off_diagonal = k12 / scale;
+    const Floats largest = trace * (broadcast(0.5f) + sqrt(half_difference * half_difference + off_diagonal * off_diagonal));
     put(p.tangent_mass, lane, inverse_or_zero(largest, used));
     put(p.approach, lane, dot(b.velocity_at(rb) - a.velocity_at(ra), basis.n));
     put(p.separation, lane, get(p.separation, lane) - dot(rb - ra, basis.n));

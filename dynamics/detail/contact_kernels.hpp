@@ -18,9 +18,8 @@ struct SoftContact {
 [[nodiscard]] SoftContact soft_contact(double frequency, double damping, double h) noexcept;
 
 struct SolveSettings {
-    float inverse_h = 0.0f;       ///< 1 / substep [1/s]
-    float max_push_speed = 0.0f;  ///< overlap is removed at this speed at most [m/s]
-    bool bias = true;             ///< false: the relax pass, rigid and without push
+    float inverse_h = 0.0f;  ///< 1 / substep [1/s]
+    bool bias = true;        ///< false: the relax pass, rigid and without push
 };
 
 /// Turns what fill_lane wrote into what the passes read: effective masses, velocities of approach, impulses along the tangents.

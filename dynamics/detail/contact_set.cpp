@@ -5,19 +5,24 @@
 namespace carom::dynamics {
 namespace {
 
-void carry_pair(ContactSet& contacts, const ContactPair& pair, const ContactSet& before, const ContactPair& old_pair) {
-    for (std::uint32_t m = 0; m < pair.manifold_count; ++m) {
-        const Manifold& manifold = contacts.manifolds[pair.first_manifold + m];
-        ManifoldImpulses& impulses = contacts.impulses[pair.first_manifold + m];
-        for (std::uint32_t k = 0; k < manifold.count; ++k) {
-            for (std::uint32_t om = 0; om < old_pair.manifold_count; ++om) {
-                const Manifold& old = before.manifolds[old_pair.first_manifold + om];
-                for (std::uint32_t ok = 0; ok < old.count; ++ok) {
-                    if (old.points[ok].feature == manifold.points[k].feature) {
-                        impulses[k] = before.impulses[old_pair.first_manifold + om][ok];
-                    }
-                }
-            }
+/// The n-th point of the pair that has the feature, n from 0; null where there are not so many.
+const PointImpulse* find_impulse(const ContactSet& set, const ContactPair& pair, std::uint64_t feature, int n) {
+    for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
+        for (std::size_t k = 0; k < set.manifolds[m].count; ++k) {
+            if (set.manifolds[m].points[k].feature == feature && n-- == 0) return &set.impulses[m][k];
+        }
+    }
+    return nullptr;
+}
+
+void carry_manifold(const Manifold& manifold, ManifoldImpulses& impulses, const ContactSet& before,
+                    const ContactPair& old_pair, float scale) {
+    for (std::size_t k = 0; k < manifold.count; ++k) {
+        const std::uint64_t feature = manifold.points[k].feature;
+        int twins = 0;
+        for (std::size_t earlier = 0; earlier < k; ++earlier) twins += manifold.points[earlier].feature == feature;
+        if (const PointImpulse* old = find_impulse(before, old_pair, feature, twins)) {
+            impulses[k] = {scale * old->normal, scale * old->friction};
         }
     }
 }
@@ -34,7 +39,7 @@ void link_manifolds(ContactSet& contacts) noexcept {
     }
 }
 
-void carry_impulses(ContactSet& contacts, const ContactSet& before) {
+void carry_impulses(ContactSet& contacts, const ContactSet& before, float scale) {
     contacts.impulses.assign(contacts.manifolds.size(), ManifoldImpulses{});
     std::size_t old_index = 0;
     for (const ContactPair& pair : contacts.pairs) {
@@ -43,7 +48,9 @@ void carry_impulses(ContactSet& contacts, const ContactSet& before) {
         const ContactPair& old_pair = before.pairs[old_index];
         // Slots are reused: the same key with another generation is another pair.
         if (old_pair.key == pair.key && old_pair.shape_a == pair.shape_a && old_pair.shape_b == pair.shape_b) {
-            carry_pair(contacts, pair, before, old_pair);
+            for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
+                carry_manifold(contacts.manifolds[m], contacts.impulses[m], before, old_pair, scale);
+            }
         }
     }
 }

@@ -42,9 +42,10 @@ struct ContactSet {
 /// Fills in first_manifold and manifold_count of every pair from Manifold::pair.
 void link_manifolds(ContactSet& contacts) noexcept;
 
-/// Gives each point the impulses that the point of the same feature and the same pair had in `before`; zero where it is new.
-/// Cost: linear in the two sets.
-void carry_impulses(ContactSet& contacts, const ContactSet& before);
+/// Gives each point the impulses that the point of the same feature and the same pair had in `before`, times `scale` (the ratio
+/// of the substeps: forces stay, impulses do not); zero where it is new. Where several points share a feature, the n-th gets
+/// the n-th one's. Cost: linear in the two sets.
+void carry_impulses(ContactSet& contacts, const ContactSet& before, float scale);
 
 /// Largest and mean penetration by the manifolds themselves.
 struct ContactSummary {

@@ -29,7 +29,7 @@ void ContactSolver::prepare(const ContactSet& contacts, const ProxySet& proxies,
                             const SolverSettings& settings, Executor& executor) {
     settings_ = settings;
     const double h = settings.substep();
-    const double frequency = std::min(settings.frequency, 0.25 / h);
+    const double frequency = settings.contact_rate / h;
     soft_ = soft_contact(frequency, settings.damping, h);
     soft_static_ = soft_contact(2.0 * frequency, settings.damping, h);
 
@@ -162,6 +162,10 @@ void ContactSolver::fill_bundle(ContactBundle& bundle, const ContactSet& contact
         in.row_b = contact_rows_[m].b;
         in.origin_a = vec3{origin - pose_a.position};
         in.origin_b = vec3{origin - bodies.states[b.body].pose.position};
+        // What never moves needs no lever arm of its own, which may be as long as the world and lose the contact's digits.
+        if (bodies.roles[a.body] == Role::Static) in.origin_a = in.origin_b;
+        if (bodies.roles[b.body] == Role::Static) in.origin_b = in.origin_a;
+        in.push_limit = static_cast<float>(settings_.max_push * std::min(a.extent, b.extent) / settings_.dt);
         in.friction = std::sqrt(a.friction * b.friction);
         in.restitution = std::max(a.restitution, b.restitution);
         in.soft = in.row_a >= rows_.movable || in.row_b >= rows_.movable ? soft_static_ : soft_;
@@ -171,11 +175,13 @@ void ContactSolver::fill_bundle(ContactBundle& bundle, const ContactSet& contact
 
 void ContactSolver::count_deep(const ContactSet& contacts) {
     deep_count_ = 0;
-    for (std::size_t m = 0; m < contacts.manifolds.size(); ++m) {
-        const bool fixed = contact_rows_[m].a >= rows_.movable || contact_rows_[m].b >= rows_.movable;
-        const float rate = fixed ? soft_static_.bias_rate : soft_.bias_rate;
-        const auto limit = static_cast<float>(settings_.max_push_speed);
-        for (const ContactPoint& p : contacts.manifolds[m].used()) deep_count_ += rate * p.separation < -limit;
+    for (const ContactBundle& bundle : bundles_) {
+        for (std::size_t lane = 0; lane < kLanesPerBundle; ++lane) {
+            if (bundle.manifold[lane] == kUnusedLane) continue;
+            for (const ContactPoint& p : contacts.manifolds[bundle.manifold[lane]].used()) {
+                deep_count_ += bundle.bias_rate[lane] * p.separation < -bundle.push_limit[lane];
+            }
+        }
     }
 }
 
@@ -208,7 +214,6 @@ void ContactSolver::warm_start(Executor& executor) {
 
 void ContactSolver::solve(bool bias, Executor& executor) {
     const SolveSettings settings{.inverse_h = static_cast<float>(1.0 / settings_.substep()),
-                                 .max_push_speed = static_cast<float>(settings_.max_push_speed),
                                  .bias = bias};
     for_each_color(executor, [&](std::span<ContactBundle> bundles) { dynamics::solve(bundles, rows_, settings); });
 }

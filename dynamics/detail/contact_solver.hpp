@@ -23,9 +23,9 @@ struct SolverSettings {
     dvec3 gravity{0.0};          ///< [m/s²]
     double dt = 0.0;             ///< of the step [s]
     int substeps = 8;
-    double frequency = 90.0;     ///< of soft contact [Hz]; at most 1/(4h) is used
+    double contact_rate = 0.1875;  ///< frequency of soft contacts over the substep rate
     double damping = 1.0;
-    double max_push_speed = 4.0; ///< [m/s]
+    double max_push = 0.1;         ///< share of the smallest extent a step
     [[nodiscard]] double substep() const noexcept { return dt / substeps; }
 };
 

@@ -1,15 +1,14 @@
 #include <carom/dynamics/detail/integrator.hpp>
 
+#include <carom/core/check.hpp>
 #include <carom/core/math.hpp>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace carom::dynamics {
 namespace {
 
-constexpr double kMaxTurn = 1e6;  // [rad] in one step
 constexpr double kSmallTurn = 1.0 / 256.0;  // [rad] in one step: below it, Euler's equations to first order
 
 /// One factor of the splitting: free rotation about body axis i for `dt`. L (body axes) turns the other way.
@@ -56,10 +55,7 @@ void symmetric_rotation(dquat& q, const dvec3& world_momentum, const BodyMass& m
 /// Turns (orientation, spin) freely by dt, in cycles of at most `cycle_angle` where the inertia needs cycles.
 void rotate_free(dquat& q, dvec3& spin, const BodyMass& mass, double dt, double cycle_angle) noexcept {
     const double angle = glm::length(spin) * std::abs(dt);
-    if (!(angle <= kMaxTurn)) {
-        spin = dvec3{std::numeric_limits<double>::quiet_NaN()};
-        return;
-    }
+    CAROM_ASSERT(angle <= kMostTurn);
     if (mass.inertia == InertiaClass::Isotropic) {
         q = glm::normalize(rotation_from_vector(spin * dt) * q);
         return;

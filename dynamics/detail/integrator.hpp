@@ -15,8 +15,7 @@ void classify_inertia(BodyMass& mass) noexcept;
 /// splitting of the energy into rotations about the body's axes (McLachlan 1993; Hairer, Lubich, Wanner 2006, VII.5.3),
 /// sub-cycled so that no cycle turns further than kMaxCycleAngle. Splitting keeps |L| to rounding; its energy error is about
 /// 0.02 times the square of the angle of a cycle, and does not grow.
-/// Cost: one cycle is 5 sines and cosines; no cap on the number of cycles below 1e6 rad a step, above which the state
-/// is made non-finite for the quarantine to find.
+/// Cost: one cycle is 5 sines and cosines. Requires is_usable(state, dt).
 void integrate_free(BodyState& state, const BodyMass& mass, const dvec3& acceleration, double dt) noexcept;
 
 /// 1/64 rad: the energy error of a 2:3:4 body is 5e-6.

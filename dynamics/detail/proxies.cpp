@@ -12,8 +12,6 @@ namespace {
 constexpr std::size_t kGrain = 256;
 constexpr double kMarginShare = 0.25;  // of the smallest extent
 
-bool fits(const FloatAabb& box) { return carom::is_finite(box.lower) && carom::is_finite(box.upper); }
-
 /// Motion of any point of the shape beyond the straight path of the centre of mass.
 double play(const Proxy& proxy, const BodyState& state, const Motion& motion) {
     const double turn = std::min(glm::length(state.spin) * motion.dt, 2.0);
@@ -49,20 +47,33 @@ bool filters_agree(const ProxyFilter& a, const ProxyFilter& b) {
     return (a.layer & b.mask) != 0 && (b.layer & a.mask) != 0;
 }
 
-/// Whether the box reaches the half-space's surface: its corner that lies deepest.
-bool reaches(const ProxySet& proxies, const FloatAabb& box, const Pose& pose, const Plane& plane) {
+/// Whether the box comes within `motion` of the half-space's surface: its corner that lies deepest.
+bool reaches(const ProxySet& proxies, const FloatAabb& box, const Pose& pose, const Plane& plane, double motion) {
     const dvec3 normal = rotate(pose.orientation, dvec3{plane.normal});
     const dvec3 lower = proxies.origin + dvec3{box.lower};
     const dvec3 upper = proxies.origin + dvec3{box.upper};
     const dvec3 corner{normal.x > 0.0 ? lower.x : upper.x, normal.y > 0.0 ? lower.y : upper.y,
                        normal.z > 0.0 ? lower.z : upper.z};
-    return glm::dot(corner - pose.position, normal) <= static_cast<double>(plane.offset);
+    return glm::dot(corner - pose.position, normal) <= static_cast<double>(plane.offset) + motion;
 }
 
 }  // namespace
 
-void update_swept_bounds(ProxySet& proxies, const BodyArrays& bodies, const Motion& motion, Executor& executor,
-                         std::vector<std::uint32_t>& lost) {
+double plane_motion(const BodyState& plane, const dvec3& point, double reach, double dt) noexcept {
+    const double turn = std::min(glm::length(plane.spin) * dt, 2.0);
+    return glm::length(plane.velocity) * dt + turn * (glm::length(point - plane.pose.position) + reach);
+}
+
+dvec3 middle_of_motion(const ProxySet& proxies, const BodyArrays& bodies) {
+    Aabb box;
+    for (const Proxy& proxy : proxies.bounded) {
+        const dvec3& at = bodies.states[proxy.body].pose.position;
+        if (bodies.roles[proxy.body] == Role::Dynamic) box = merge(box, {at, at});
+    }
+    return is_empty(box) ? dvec3{0.0} : 0.5 * box.lower + 0.5 * box.upper;
+}
+
+void update_swept_bounds(ProxySet& proxies, const BodyArrays& bodies, const Motion& motion, Executor& executor) {
     const std::size_t count = proxies.bounded.size();
     proxies.boxes.resize(count);
     proxies.motion.resize(count);
@@ -81,13 +92,9 @@ void update_swept_bounds(ProxySet& proxies, const BodyArrays& bodies, const Moti
         }
     });
     proxies.static_boxes_stale = false;
-    lost.clear();
-    for (std::size_t i = 0; i < count; ++i) {
-        if (!fits(proxies.boxes[i])) lost.push_back(proxies.bounded[i].body);
-    }
 }
 
-void gather_pairs(const ProxySet& proxies, const BodyArrays& bodies, std::span<const ProxyPair> found,
+void gather_pairs(const ProxySet& proxies, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt,
                   std::vector<ContactPair>& pairs) {
     const auto count = static_cast<std::uint32_t>(proxies.bounded.size());
     std::size_t next = 0;
@@ -102,13 +109,15 @@ void gather_pairs(const ProxySet& proxies, const BodyArrays& bodies, std::span<c
             const Proxy& plane = proxies.unbounded[p];
             const Pose pose = bodies.states[plane.body].pose * plane.local;
             if (!filters_agree(proxies.filters[i], plane.filter)) continue;
-            if (!reaches(proxies, proxies.boxes[i], pose, std::get<Plane>(*plane.shape))) continue;
+            const Proxy& body = proxies.bounded[i];
+            const double motion = plane_motion(bodies.states[plane.body], bodies.states[body.body].pose.position, body.reach, dt);
+            if (!reaches(proxies, proxies.boxes[i], pose, std::get<Plane>(*plane.shape), motion)) continue;
             pairs.push_back(make_pair(proxies, i, count + p));
         }
     }
 }
 
-void list_shape_pairs(const ProxySet& proxies, const BodyArrays& bodies, std::span<const ContactPair> pairs,
+void list_shape_pairs(const ProxySet& proxies, const BodyArrays& bodies, std::span<const ContactPair> pairs, double dt,
                       Executor& executor, std::vector<ShapePair>& out) {
     out.resize(pairs.size());
     executor.parallel_for(pairs.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -117,11 +126,15 @@ void list_shape_pairs(const ProxySet& proxies, const BodyArrays& bodies, std::sp
             const Proxy& b = proxy_at(proxies, pairs[i].proxy_b);
             // B may be a plane, which has neither box nor motion of its own here.
             const bool b_bounded = pairs[i].proxy_b < proxies.bounded.size();
-            const double closing = proxies.motion[pairs[i].proxy_a] + (b_bounded ? proxies.motion[pairs[i].proxy_b] : 0.0);
+            const BodyState& state_b = bodies.states[b.body];
+            const double motion_b = b_bounded
+                                        ? proxies.motion[pairs[i].proxy_b]
+                                        : plane_motion(state_b, bodies.states[a.body].pose.position, a.reach, dt);
+            const double closing = proxies.motion[pairs[i].proxy_a] + motion_b;
             out[i].a = a.shape;
             out[i].b = b.shape;
             out[i].pose_a = proxies.poses[pairs[i].proxy_a];
-            out[i].pose_b = b_bounded ? proxies.poses[pairs[i].proxy_b] : bodies.states[b.body].pose * b.local;
+            out[i].pose_b = b_bounded ? proxies.poses[pairs[i].proxy_b] : state_b.pose * b.local;
             out[i].margin = static_cast<float>(std::min(closing, kMarginShare * std::min(a.extent, b.extent)));
         }
     });

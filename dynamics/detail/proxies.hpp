@@ -18,6 +18,16 @@ namespace carom::dynamics {
 /// What a body may do in this step. Quarantined bodies and empty slots are Absent.
 enum class Role : unsigned char { Absent, Static, Kinematic, Dynamic };
 
+/// @return Absent for a value that is no BodyType.
+[[nodiscard]] constexpr Role role_of(BodyType type) noexcept {
+    switch (type) {
+        case BodyType::Static: return Role::Static;
+        case BodyType::Kinematic: return Role::Kinematic;
+        case BodyType::Dynamic: return Role::Dynamic;
+    }
+    return Role::Absent;
+}
+
 struct Proxy {
     ShapeId id;
     BodyId owner;
@@ -56,17 +66,21 @@ struct Motion {
 
 /// Boxes around the predicted motion: v dt along the velocity, |g| dt² + r min(|w| dt, 2) all round.
 /// Fills in boxes, poses and motion.
-/// @param lost  becomes the slots of bodies whose boxes do not fit into floats: their state is as good as lost.
-void update_swept_bounds(ProxySet& proxies, const BodyArrays& bodies, const Motion& motion, Executor& executor,
-                         std::vector<std::uint32_t>& lost);
+void update_swept_bounds(ProxySet& proxies, const BodyArrays& bodies, const Motion& motion, Executor& executor);
+
+/// @return the middle of the dynamic shapes: the origin about which float boxes lose least.
+[[nodiscard]] dvec3 middle_of_motion(const ProxySet& proxies, const BodyArrays& bodies);
+
+/// @return how far a plane's surface may come towards a body about `point` in the step, by its own motion [m].
+[[nodiscard]] double plane_motion(const BodyState& plane, const dvec3& point, double reach, double dt) noexcept;
 
 /// Joins the broadphase's pairs, sorted by (a, b), and the pairs with planes into one list, sorted by key.
-void gather_pairs(const ProxySet& proxies, const BodyArrays& bodies, std::span<const ProxyPair> found,
+void gather_pairs(const ProxySet& proxies, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt,
                   std::vector<ContactPair>& pairs);
 
 /// Lists the pairs with poses and margins for the narrowphase. The margin is how far the two may close in the step, at most a
 /// quarter of the smaller shape's smallest extent: contacts predicted from farther away would stop bodies that only pass by.
-void list_shape_pairs(const ProxySet& proxies, const BodyArrays& bodies, std::span<const ContactPair> pairs,
+void list_shape_pairs(const ProxySet& proxies, const BodyArrays& bodies, std::span<const ContactPair> pairs, double dt,
                       Executor& executor, std::vector<ShapePair>& out);
 
 /// @return proxy `index` of a pair: planes are numbered after the bounded ones.

@@ -30,6 +30,12 @@ struct ShapeRecord {
     ShapeDef def;
 };
 
+/// The last pose of a body from which a step could go on.
+struct ValidPose {
+    BodyId id;
+    Pose pose;
+};
+
 /// Which work the scene needs at all.
 struct StepChoices {
     bool contacts = true;     ///< two shapes exist that could meet: Bounds to Relax, and Store
@@ -44,21 +50,26 @@ struct World::Impl {
     [[nodiscard]] Executor& executor() noexcept { return def.executor != nullptr ? *def.executor : serial; }
 
     [[nodiscard]] dynamics::SolverSettings solver_settings(double dt) const noexcept {
-        return {def.gravity, dt, def.substeps, def.contact_frequency, def.contact_damping, def.max_push_speed};
+        return {def.gravity, dt, def.substeps, def.contact_rate, def.contact_damping, def.max_push};
+    }
+    /// How much of the impulses of the step before this one starts from.
+    [[nodiscard]] float impulse_scale(double dt) const noexcept {
+        return last_substep > 0.0 ? static_cast<float>(dt / def.substeps / last_substep) : 1.0f;
     }
     /// Where the body's origin is.
     [[nodiscard]] Pose body_pose(BodyId body) const;
     /// Puts the body's origin at `pose`.
     void place_body(BodyId body, const Pose& pose);
-    /// Sums the mass over the shapes and keeps the origin and the motion of its points where they are.
-    void update_mass(BodyId body);
+    /// The mass of a body's shapes and of one more.
+    [[nodiscard]] MassProperties mass_with(const dynamics::BodyRecord& record, const MassProperties& added) const;
+    /// Sets the mass and keeps the origin and the motion of the body's points where they are.
     void assign_mass(BodyId body, const MassProperties& mass);
     /// Lists shapes anew after bodies or shapes came or went.
     void refresh_proxies();
     /// What the scene as it stands needs; all of it in PlanMode::Everything.
     [[nodiscard]] dynamics::StepChoices choose() const;
-    /// Takes a body out of the simulation at its last valid pose, at rest.
-    void quarantine(std::uint32_t slot, StepReport& report);
+    /// Takes out every body whose state no step of `dt` can take on, at its last valid pose, at rest.
+    void quarantine_unusable(double dt, StepReport& report);
 
     WorldDef def;
     SerialExecutor serial;
@@ -76,8 +87,8 @@ struct World::Impl {
     CollideScratch collide_scratch;
     dynamics::ContactSet contacts, previous;
     dynamics::ContactSolver solver;
-    std::vector<dynamics::BodyState> last_valid;
-    std::vector<std::uint32_t> lost;
+    std::vector<dynamics::ValidPose> last_valid;  // by slot
+    double last_substep = 0.0;  // [s]; impulses are carried in proportion
     std::uint64_t steps = 0;
 };
 

@@ -57,10 +57,11 @@ TEST(Coloring, ColorsShareNoMovableBody) {
 
 TEST(Coloring, WhatFitsNoColorOverflowsAndIsNotLost) {
     std::vector<ContactRows> rows;
-    for (std::int32_t i = 1; i <= 40; ++i) rows.push_back({0, i});  // a star of 40 needs 40 colours
+    for (std::int32_t i = 1; i <= 40; ++i) rows.push_back({0, i});    // a star of 40 needs 40 colours
+    for (std::int32_t i = 1; i <= 40; ++i) rows.push_back({i, 41});   // and does not spoil the contacts with the ground
     Coloring coloring;
     coloring.color(rows, 41);
-    EXPECT_EQ(coloring.overflow_count(), 40u - kMaxColors);
+    EXPECT_EQ(coloring.overflow_count(), 40u - kMaxSharedColors);
     expect_valid(coloring, rows, 41);
 }
 

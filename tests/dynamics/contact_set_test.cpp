@@ -42,7 +42,7 @@ TEST(ContactSet, ImpulsesFollowTheFeatureWithinThePair) {
     before.impulses[0][1].friction = {1.0f, 2.0f, 3.0f};
     before.impulses[1][0].normal = 9.0f;
     ContactSet now = set_of({10, 15, 20}, {manifold_of(0, {6, 7}), manifold_of(1, {5}), manifold_of(2, {4, 5})});
-    carry_impulses(now, before);
+    carry_impulses(now, before, 1.0f);
     EXPECT_EQ(now.impulses[0][0].normal, 3.0f);
     EXPECT_EQ(now.impulses[0][0].friction, vec3(1.0f, 2.0f, 3.0f));
     EXPECT_EQ(now.impulses[0][1].normal, 0.0f) << "a new feature starts from nothing";
@@ -50,12 +50,23 @@ TEST(ContactSet, ImpulsesFollowTheFeatureWithinThePair) {
     EXPECT_EQ(now.impulses[2][1].normal, 9.0f);
 }
 
+TEST(ContactSet, ImpulsesScaleWithTheSubstepAndTwinsKeepTheirOwn) {
+    ContactSet before = set_of({10}, {manifold_of(0, {5, 5})});
+    before.impulses[0][0].normal = 2.0f;
+    before.impulses[0][1].normal = 6.0f;
+    ContactSet now = set_of({10}, {manifold_of(0, {5, 5, 5})});
+    carry_impulses(now, before, 0.5f);
+    EXPECT_EQ(now.impulses[0][0].normal, 1.0f);
+    EXPECT_EQ(now.impulses[0][1].normal, 3.0f);
+    EXPECT_EQ(now.impulses[0][2].normal, 0.0f);
+}
+
 TEST(ContactSet, AnotherGenerationIsAnotherPair) {
     ContactSet before = set_of({10}, {manifold_of(0, {5})});
     before.impulses[0][0].normal = 3.0f;
     ContactSet now = set_of({10}, {manifold_of(0, {5})});
     now.pairs[0].shape_b.generation = 8;
-    carry_impulses(now, before);
+    carry_impulses(now, before, 1.0f);
     EXPECT_EQ(now.impulses[0][0].normal, 0.0f);
 }
 

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <vector>
 
 namespace carom {
 namespace {
@@ -72,13 +73,28 @@ TEST(World, RefusesBadShapes) {
     expect_refused(world, ErrorCode::InvalidArgument, [&] { world.add_shape(body, Sphere{}, {.restitution = 1.5f}); });
     expect_refused(world, ErrorCode::DeadId, [&] { world.add_shape(BodyId{}, Sphere{}); });
     EXPECT_TRUE(world.shapes(body).empty());
+    // Masses and moments that the solver's floats cannot hold.
+    expect_refused(world, ErrorCode::InvalidArgument, [&] { world.add_shape(body, Sphere{1e-3f}, {.density = 1e-320}); });
+    expect_refused(world, ErrorCode::InvalidArgument, [&] { world.add_shape(body, Sphere{2.0f}, {.density = 1e300}); });
+    expect_refused(world, ErrorCode::InvalidArgument, [&] { world.set_mass_properties(body, {1.0, {}, dmat3{1e-40}}); });
+    expect_refused(world, ErrorCode::InvalidArgument, [&] { world.set_mass_properties(body, {1.0, {1e300, 0, 0}, dmat3{1}}); });
+    ASSERT_TRUE(world.add_shape(body, Sphere{1.0f}));
+    expect_refused(world, ErrorCode::InvalidArgument,
+                   [&] { world.add_shape(body, Sphere{1.0f}, {.local = {{1e100, 0, 0}}}); });
+    EXPECT_EQ(world.shapes(body).size(), 1u) << "nothing of the refused shape stays";
+    EXPECT_TRUE(world.add_shape(body, Sphere{1.0f})) << "and the body takes others";
 }
 
 TEST(World, RefusesBadSettings) {
     EXPECT_THROW(World({.gravity = {0, kNaN, 0}}), MisuseError);
     EXPECT_THROW(World({.substeps = 0}), MisuseError);
-    EXPECT_THROW(World({.contact_frequency = -1.0}), MisuseError);
-    EXPECT_THROW(World({.max_push_speed = kNaN}), MisuseError);
+    EXPECT_THROW(World({.contact_rate = -1.0}), MisuseError);
+    EXPECT_THROW(World({.contact_rate = 0.3}), MisuseError);
+    EXPECT_THROW(World({.max_push = kNaN}), MisuseError);
+    EXPECT_THROW(World({.broadphase = static_cast<BroadphaseMethod>(7)}), MisuseError);
+    EXPECT_THROW(World({.plan = static_cast<PlanMode>(7)}), MisuseError);
+    World world;
+    expect_refused(world, ErrorCode::InvalidArgument, [&] { world.create_body({.type = static_cast<BodyType>(9)}); });
 }
 
 TEST(World, RefusesBadSteps) {
@@ -264,23 +280,104 @@ TEST(World, StackFarFromTheOriginSettlesTheSame) {
     EXPECT_LT(glm::length(settle(1e6) - settle(0.0)), 1e-4);
 }
 
-TEST(World, NonFiniteBodiesAreQuarantinedAndNamed) {
-    Table table;
-    const BodyId good = table.add({.position = {5, 0.5, 0}}, Box{});
-    const BodyId bad = table.add({.position = {0, 2, 0}, .name = "culprit"}, Box{});
-    table.world.set_linear_velocity(bad, {1e308, 0, 0});
-    std::vector<BodyId> named;
-    for (int i = 0; i < 10; ++i) {
-        const StepReport report = table.world.step(1.0);
-        named.insert(named.end(), report.quarantined.begin(), report.quarantined.end());
+// The body that went wrong lies in the middle of a heap: it alone is taken out.
+TEST(World, UnusableBodiesAreQuarantinedAndNamedAndHarmNobody) {
+    const std::function<void(World&, BodyId)> harms[] = {
+        [](World& w, BodyId b) { w.set_linear_velocity(b, {1e308, 0, 0}); },
+        [](World& w, BodyId b) { w.set_linear_velocity(b, {1e37, 0, 0}); },
+        [](World& w, BodyId b) { w.set_angular_velocity(b, {0, 1e9, 0}); },
+        [](World& w, BodyId b) { w.apply_impulse(b, {1e30, 0, 0}, w.center_of_mass(b)); },
+        [](World& w, BodyId b) { w.set_pose(b, {{1e39, 0, 0}}); },
+    };
+    for (const auto& harm : harms) {
+        Table table;
+        std::vector<BodyId> heap;
+        for (int i = 0; i < 27; ++i) {
+            heap.push_back(table.add({.position = {0.95 * (i % 3), 0.5 + (i / 9), 0.95 * ((i / 3) % 3)}}, Box{{0.5f, 0.5f, 0.5f}}));
+        }
+        table.run(3);
+        const BodyId bad = heap[13];
+        harm(table.world, bad);
+        const StepReport report = table.world.step(kDt);
+        ASSERT_EQ(report.quarantined.size(), 1u);
+        EXPECT_EQ(report.quarantined[0], bad);
+        EXPECT_TRUE(table.world.is_quarantined(bad));
+        EXPECT_LT(glm::length(table.world.pose(bad).position), 10.0) << "back where it was";
+        EXPECT_EQ(table.world.linear_velocity(bad), dvec3{0.0});
+        for (int i = 0; i < 30; ++i) EXPECT_TRUE(table.world.step(kDt).quarantined.empty());
+        for (const BodyId body : heap) {
+            EXPECT_TRUE(is_finite(table.world.pose(body)));
+            EXPECT_LT(glm::length(table.world.linear_velocity(body)), 10.0);
+        }
+        table.world.release(bad);
+        EXPECT_FALSE(table.world.is_quarantined(bad));
+        table.world.set_pose(bad, {{0, 20, 0}});
+        table.world.step(kDt);
+        EXPECT_LT(table.world.linear_velocity(bad).y, 0.0) << "falls again";
     }
-    ASSERT_EQ(named.size(), 1u);
-    EXPECT_EQ(named[0], bad);
-    EXPECT_TRUE(table.world.is_quarantined(bad));
-    EXPECT_TRUE(is_finite(table.world.pose(bad)));
-    EXPECT_EQ(table.world.linear_velocity(bad), dvec3{0.0});
-    EXPECT_FALSE(table.world.is_quarantined(good));
-    EXPECT_TRUE(is_finite(table.world.pose(good)));
+}
+
+TEST(World, QuarantineIsTheSameWhateverThePlan) {
+    for (const PlanMode mode : {PlanMode::Automatic, PlanMode::Everything}) {
+        World world({.plan = mode});
+        const BodyId body = world.create_body({.position = {1e39, 0, 0}});
+        world.add_shape(body, Sphere{});
+        world.add_shape(body, Sphere{}, {.local = {{2, 0, 0}}});
+        EXPECT_EQ(world.step(kDt).quarantined, std::vector<BodyId>{body}) << "once, however many shapes it has";
+    }
+}
+
+TEST(World, RefusesAnImpulseThatLeavesNoFiniteVelocity) {
+    World world;
+    const BodyId body = world.create_body();
+    world.add_shape(body, Sphere{1e-3f});
+    expect_refused(world, ErrorCode::InvalidArgument, [&] { world.apply_impulse(body, {1e306, 0, 0}, {0, 0, 0}); });
+}
+
+TEST(World, KinematicPlaneLiftsWhatLiesOnIt) {
+    World world;
+    const BodyId floor = world.create_body({.type = BodyType::Kinematic, .linear_velocity = {0, 10, 0}});
+    world.add_shape(floor, Plane{{0, 1, 0}, 0});
+    const BodyId ball = world.create_body({.position = {0, 0.6, 0}});
+    world.add_shape(ball, Sphere{0.5f});
+    double deepest = 0.0;
+    for (int i = 0; i < 60; ++i) {
+        world.step(kDt);
+        deepest = std::min(deepest, world.pose(ball).position.y - world.pose(floor).position.y - 0.5);
+    }
+    EXPECT_GT(deepest, -5e-3);
+}
+
+// The static body's own origin may be as far away as the world is wide.
+TEST(World, ContactKeepsItsDigitsFarFromTheStaticBodysOrigin) {
+    for (const double d : {0.0, 1e5, 1e7}) {
+        World world;
+        const BodyId ground = world.create_body({.type = BodyType::Static});
+        world.add_shape(ground, Box{{10, 0.5f, 10}}, {.local = {{d, -0.5, 0}}});
+        const BodyId box = world.create_body({.position = {d, 0.5, 0}});
+        world.add_shape(box, Box{{0.5f, 0.5f, 0.5f}});
+        for (int i = 0; i < 120; ++i) world.step(kDt);
+        EXPECT_NEAR(world.pose(box).position.y, 0.5, 1e-4) << d;
+        EXPECT_LT(glm::length(world.linear_velocity(box)), 1e-5) << d;
+    }
+}
+
+// Lengths times s, times times sqrt(s): the same path at every size and density, friction included.
+TEST(World, SlidingScalesWithSizeAndDensity) {
+    const auto slide = [](double s, double density) {
+        World world;
+        const BodyId ground = world.create_body({.type = BodyType::Static});
+        world.add_shape(ground, Plane{{0, 1, 0}, 0}, {.friction = 0.5f});
+        const auto f = static_cast<float>(s);
+        const BodyId box = world.create_body({.position = {0, 0.5 * s, 0}, .linear_velocity = {5.0 * std::sqrt(s), 0, 0}});
+        world.add_shape(box, Box{{f, 0.5f * f, f}}, {.density = density, .friction = 0.5f});
+        for (int i = 0; i < 120; ++i) world.step(kDt * std::sqrt(s));
+        return world.pose(box).position.x / s;
+    };
+    const double expected = slide(1.0, 1000.0);
+    EXPECT_NEAR(expected, 2.548, 0.02);
+    for (const double s : {1e-4, 1e-2, 1e2, 1e5}) EXPECT_NEAR(slide(s, 1000.0), expected, 1e-3 * expected) << s;
+    for (const double density : {1e-20, 1e-10, 1e10, 1e20}) EXPECT_NEAR(slide(1.0, density), expected, 1e-3 * expected) << density;
 }
 
 TEST(World, RayFindsTheNearestBody) {
