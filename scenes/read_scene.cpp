@@ -37,7 +37,8 @@ Result<std::string> read_file(const std::string& path) {
     const std::uintmax_t size = std::filesystem::file_size(path, problem);
     if (problem) return Error{ErrorCode::Io, "cannot be read: " + problem.message(), path};
     if (size > kMaxFileBytes) {
-        return Error{ErrorCode::Io, fmt::format("is {} bytes long; scene files are {} at most", size, kMaxFileBytes), path};
+        return Error{ErrorCode::Io, fmt::format("is {} bytes long; scene files are {} at most", size, kMaxFileBytes),
+                     path};
     }
     std::ifstream file(path, std::ios::binary);
     std::string text(size, '\0');
@@ -52,7 +53,8 @@ BodyType read_type(const Node& node) {
     if (name == "static") return BodyType::Static;
     if (name == "kinematic") return BodyType::Kinematic;
     if (name == "dynamic") return BodyType::Dynamic;
-    fail_at(node, ErrorCode::UnknownName, fmt::format("\"{}\" is none of \"static\", \"kinematic\", \"dynamic\"", name));
+    fail_at(node, ErrorCode::UnknownName,
+            fmt::format("\"{}\" is none of \"static\", \"kinematic\", \"dynamic\"", name));
 }
 
 /// Mass of several shapes may overflow where that of each does not.
@@ -116,7 +118,8 @@ SceneRun read_root(const Node& root, const std::string& path, const SceneOptions
 
     const std::size_t count = detail::array(bodies).size();
     if (count > static_cast<std::size_t>(kMaxSceneBodies)) {
-        fail_at(bodies, ErrorCode::InvalidArgument, fmt::format("{} bodies; at most {} are allowed", count, kMaxSceneBodies));
+        fail_at(bodies, ErrorCode::InvalidArgument,
+                fmt::format("{} bodies; at most {} are allowed", count, kMaxSceneBodies));
     }
     run.world = World(def);
     for (std::size_t i = 0; i < count; ++i) {

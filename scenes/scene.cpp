@@ -43,8 +43,9 @@ Result<double> parse_parameter(const SceneParameter& parameter, const std::strin
         return Error{ErrorCode::NotFinite, fmt::format("\"{}\" is not a finite number", text), where};
     }
     if (value < parameter.lower || value > parameter.upper) {
-        return Error{ErrorCode::InvalidArgument,
-                     fmt::format("{} is outside {}..{} ({})", text, parameter.lower, parameter.upper, parameter.meaning), where};
+        return Error{
+            ErrorCode::InvalidArgument,
+            fmt::format("{} is outside {}..{} ({})", text, parameter.lower, parameter.upper, parameter.meaning), where};
     }
     return value;
 }
@@ -58,7 +59,8 @@ Status read_parameters(const Recipe& recipe, const SceneOptions& options, Reques
         const auto& declared = recipe.info.parameters;
         const auto found = std::ranges::find(declared, key, &SceneParameter::name);
         if (found == declared.end()) {
-            return Error{ErrorCode::UnknownName, fmt::format("{} has no parameter \"{}\"", recipe.info.name, key), "set " + key};
+            return Error{ErrorCode::UnknownName, fmt::format("{} has no parameter \"{}\"", recipe.info.name, key),
+                         "set " + key};
         }
         const Result<double> value = parse_parameter(*found, text);
         if (!value) return value.error();
@@ -74,15 +76,16 @@ Result<Request> check(const Recipe& recipe, const SceneOptions& options) {
     request.bodies_given = options.bodies.has_value();
     if (request.bodies < recipe.fewest_bodies || request.bodies > recipe.most_bodies) {
         return Error{ErrorCode::InvalidArgument,
-                     fmt::format("{} can have {}..{} bodies, not {}", recipe.info.name, recipe.fewest_bodies, recipe.most_bodies,
-                                 request.bodies),
+                     fmt::format("{} can have {}..{} bodies, not {}", recipe.info.name, recipe.fewest_bodies,
+                                 recipe.most_bodies, request.bodies),
                      "bodies"};
     }
     request.seed = options.seed.value_or(recipe.seed);
     request.world = options.world;
     request.world.substeps = options.substeps.value_or(options.world.substeps);
     if (request.world.substeps < 1 || request.world.substeps > 1024) {
-        return Error{ErrorCode::InvalidArgument, fmt::format("{} is outside 1..1024", request.world.substeps), "substeps"};
+        return Error{ErrorCode::InvalidArgument, fmt::format("{} is outside 1..1024", request.world.substeps),
+                     "substeps"};
     }
     const Status parameters = read_parameters(recipe, options, request);
     if (!parameters) return parameters.error();
@@ -116,7 +119,8 @@ int count_escaped(const World& world, const Aabb& domain) {
     for (const BodyId body : world.bodies()) {
         if (world.type(body) != BodyType::Dynamic) continue;
         const dvec3 center = world.center_of_mass(body);
-        const bool inside = glm::all(glm::greaterThanEqual(center, domain.lower)) && glm::all(glm::lessThanEqual(center, domain.upper));
+        const bool inside =
+            glm::all(glm::greaterThanEqual(center, domain.lower)) && glm::all(glm::lessThanEqual(center, domain.upper));
         if (!inside) ++count;
     }
     return count;

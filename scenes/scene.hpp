@@ -23,11 +23,11 @@ inline constexpr int kMaxSceneBodies = 1'000'000;
 
 /// What a user may choose; what is not given comes from the scene.
 struct SceneOptions {
-    std::optional<int> bodies{};            ///< how many dynamic bodies, 0..kMaxSceneBodies; what a scene cannot meet is an error
-    std::optional<std::uint64_t> seed{};     ///< of the random stream; scenes without one take no notice
-    std::optional<int> substeps{};          ///< per step, 1..1024; over the scene file's own and over world.substeps
+    std::optional<int> bodies{};  ///< how many dynamic bodies, 0..kMaxSceneBodies; what a scene cannot meet is an error
+    std::optional<std::uint64_t> seed{};       ///< of the random stream; scenes without one take no notice
+    std::optional<int> substeps{};             ///< per step, 1..1024; over the scene file's own and over world.substeps
     std::map<std::string, std::string> set{};  ///< parameters the scene declares, e.g. {"ratio", "1e4"}
-    WorldDef world{};                       ///< executor, substeps, plan mode and the like; gravity is the scene's own
+    WorldDef world{};  ///< executor, substeps, plan mode and the like; gravity is the scene's own
 };
 
 /// A parameter that a scene declares for SceneOptions::set.
@@ -42,8 +42,8 @@ struct SceneParameter {
 struct SceneInfo {
     std::string name;
     std::string summary;
-    int bodies = 0;      ///< default number of dynamic bodies
-    int steps = 0;       ///< default number of steps
+    int bodies = 0;  ///< default number of dynamic bodies
+    int steps = 0;   ///< default number of steps
     std::vector<SceneParameter> parameters;
 };
 
@@ -76,8 +76,8 @@ struct SceneRun {
 
 /// Builds a scene from a JSON file of at most 64 MiB; docs/scenes.md has the schema. The file says its own bodies, so
 /// SceneOptions::bodies and ::set are refused.
-/// @return Io, Parse, WrongType, UnknownName, InvalidArgument, NotFinite, Degenerate or Empty; `where` is `file:line` and, past
-/// the parser, the key, as in `crates.json:12: bodies[3].shapes[0].radius`.
+/// @return Io, Parse, WrongType, UnknownName, InvalidArgument, NotFinite, Degenerate or Empty; `where` is `file:line`
+/// and, past the parser, the key, as in `crates.json:12: bodies[3].shapes[0].radius`.
 [[nodiscard]] Result<SceneRun> read_scene(const std::string& path, const SceneOptions& options = {});
 
 /// @return how many dynamic bodies have their centre of mass outside `domain`; 0 where it is empty.

@@ -11,8 +11,8 @@ namespace {
 constexpr double kHalfHeight = 0.5;
 constexpr double kHalfThickness = 0.06;
 constexpr double kHalfWidth = 0.25;
-constexpr double kSpacing = 0.4;      // along the arc [m]
-constexpr double kPush = 1.5;         // the first one's angular velocity [rad/s]; 0.46 rad/s would do to tip it
+constexpr double kSpacing = 0.4;  // along the arc [m]
+constexpr double kPush = 1.5;     // the first one's angular velocity [rad/s]; 0.46 rad/s would do to tip it
 constexpr double kSmallestRadius = 4.0;
 
 Result<SceneRun> build_dominoes(const Request& request) {

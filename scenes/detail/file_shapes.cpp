@@ -58,9 +58,11 @@ MeshData read_inline(Fields& fields) {
     const Node list = fields.require("triangles");
     for (std::size_t t = 0; t < array(list).size(); ++t) {
         const Node corners = element(list, t);
-        if (array(corners).size() != 3) fail_at(corners, ErrorCode::WrongType, "a triangle is three indices of vertices");
+        if (array(corners).size() != 3)
+            fail_at(corners, ErrorCode::WrongType, "a triangle is three indices of vertices");
         std::array<std::uint32_t, 3> triangle{};
-        for (std::size_t k = 0; k < 3; ++k) triangle[k] = static_cast<std::uint32_t>(integer(element(corners, k), 0, last));
+        for (std::size_t k = 0; k < 3; ++k)
+            triangle[k] = static_cast<std::uint32_t>(integer(element(corners, k), 0, last));
         mesh.triangles.push_back(triangle);
     }
     return mesh;
@@ -75,7 +77,8 @@ Shape read_mesh(const Node& node, Fields& fields) {
         } else if (name == "terrain") {
             mesh = read_terrain(fields);
         } else {
-            fail_at(*generator, ErrorCode::UnknownName, fmt::format("\"{}\" is neither \"teapot\" nor \"terrain\"", name));
+            fail_at(*generator, ErrorCode::UnknownName,
+                    fmt::format("\"{}\" is neither \"teapot\" nor \"terrain\"", name));
         }
     } else {
         mesh = read_inline(fields);
@@ -85,7 +88,8 @@ Shape read_mesh(const Node& node, Fields& fields) {
 
 Shape read_hull(const Node& node, Fields& fields) {
     if (const auto generator = fields.find("generate")) {
-        if (text(*generator) != "teapot") fail_at(*generator, ErrorCode::UnknownName, "a hull can be generated from \"teapot\" only");
+        if (text(*generator) != "teapot")
+            fail_at(*generator, ErrorCode::UnknownName, "a hull can be generated from \"teapot\" only");
         return value_or_fail(node, ConvexHull::build(read_teapot(node, fields).vertices));
     }
     const Node points = fields.require("points");
@@ -97,7 +101,8 @@ Shape read_plane(Fields& fields) {
     const dvec3 normal = vector(normal_node);
     const double length = glm::length(normal);
     if (!(length > 0.0) || !is_finite(length)) {
-        fail_at(normal_node, ErrorCode::InvalidArgument, "must have a direction: its length is 0 or beyond double's range");
+        fail_at(normal_node, ErrorCode::InvalidArgument,
+                "must have a direction: its length is 0 or beyond double's range");
     }
     float offset = 0.0f;
     if (const auto given = fields.find("offset")) offset = single(*given);
@@ -111,7 +116,8 @@ Shape read_geometry(const Node& node, Fields& fields) {
     if (type == "box") {
         const Node half = fields.require("half_extents");
         static_cast<void>(vector(half));
-        return Box{{positive_single(element(half, 0)), positive_single(element(half, 1)), positive_single(element(half, 2))}};
+        return Box{
+            {positive_single(element(half, 0)), positive_single(element(half, 1)), positive_single(element(half, 2))}};
     }
     if (type == "capsule") {
         const float radius = positive_single(fields.require("radius"));

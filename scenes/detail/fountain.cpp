@@ -9,10 +9,10 @@
 namespace carom::scenes::detail {
 namespace {
 
-constexpr int kPeriod = 4;           // steps between two bodies
-constexpr double kHalfWidth = 8.0;   // of the basin [m]
-constexpr double kWall = 6.0;        // height of its walls [m]
-constexpr double kSpeed = 9.0;       // upwards, at the nozzle [m/s]: 0.6 m between two bodies, which are smaller than that
+constexpr int kPeriod = 4;          // steps between two bodies
+constexpr double kHalfWidth = 8.0;  // of the basin [m]
+constexpr double kWall = 6.0;       // height of its walls [m]
+constexpr double kSpeed = 9.0;  // upwards, at the nozzle [m/s]: 0.6 m between two bodies, which are smaller than that
 
 /// Everything that the fountain remembers from one step to the next.
 struct Nozzle {
@@ -41,9 +41,12 @@ struct Nozzle {
     [[nodiscard]] Shape shape(double size) const {
         const float s = static_cast<float>(size);
         switch (emitted % 3) {
-            case 0: return Sphere{s};
-            case 1: return Box{vec3{s, 0.8f * s, 0.6f * s}};
-            default: return Capsule{0.6f * s, 0.4f * s};
+            case 0:
+                return Sphere{s};
+            case 1:
+                return Box{vec3{s, 0.8f * s, 0.6f * s}};
+            default:
+                return Capsule{0.6f * s, 0.4f * s};
         }
     }
 };
@@ -60,13 +63,14 @@ Result<SceneRun> build_fountain(const Request& request) {
 }  // namespace
 
 Recipe fountain_recipe() {
-    return {.info = {.name = "fountain",
-                     .summary = "an emitter: a body every 4 steps, the oldest removed once there are as many as asked for",
-                     .bodies = 200,
-                     .steps = 1200,
-                     .parameters = {}},
-            .seed = 2024,
-            .build = build_fountain};
+    return {
+        .info = {.name = "fountain",
+                 .summary = "an emitter: a body every 4 steps, the oldest removed once there are as many as asked for",
+                 .bodies = 200,
+                 .steps = 1200,
+                 .parameters = {}},
+        .seed = 2024,
+        .build = build_fountain};
 }
 
 }  // namespace carom::scenes::detail

@@ -23,7 +23,8 @@ Result<SceneRun> build_wall_fast(const Request& request) {
     Random random(request.seed);
     for (int i = 0; i < request.bodies; ++i) {
         BodyDef body;
-        body.position = {-4.0 + 8.0 * (i % 20) / 19.0, -4.0 + 8.0 * (i / 20) / 9.0, -10.0 - 30.0 * random.range(0.0, 1.0)};
+        body.position = {-4.0 + 8.0 * (i % 20) / 19.0, -4.0 + 8.0 * (i / 20) / 9.0,
+                         -10.0 - 30.0 * random.range(0.0, 1.0)};
         body.linear_velocity = {0.0, 0.0, 50.0 * std::pow(40.0, i / 199.0)};
         add_body(run.world, body, Sphere{0.05f});
     }

@@ -60,7 +60,8 @@ Node Fields::require(std::string_view key) {
 void Fields::done() const {
     for (const auto& [name, value] : members_) {
         if (std::ranges::find(known_, name) != known_.end()) continue;
-        fail_at(Node{value, node_.file, &node_, name, 0}, ErrorCode::UnknownName, fmt::format("there is no key \"{}\" here", name));
+        fail_at(Node{value, node_.file, &node_, name, 0}, ErrorCode::UnknownName,
+                fmt::format("there is no key \"{}\" here", name));
     }
 }
 
@@ -85,7 +86,8 @@ double positive(const Node& node) {
 
 int integer(const Node& node, int lower, int upper) {
     const double value = number(node, lower, upper);
-    if (value != std::floor(value)) fail_at(node, ErrorCode::WrongType, fmt::format("should be a whole number, but is {}", value));
+    if (value != std::floor(value))
+        fail_at(node, ErrorCode::WrongType, fmt::format("should be a whole number, but is {}", value));
     return static_cast<int>(value);
 }
 
@@ -125,15 +127,18 @@ dquat rotation(const Node& node) {
         fields.done();
         const double length = glm::length(axis);
         if (!(length > 0.0) || !is_finite(length)) {
-            fail_at(axis_node, ErrorCode::InvalidArgument, "must have a direction: its length is 0 or beyond double's range");
+            fail_at(axis_node, ErrorCode::InvalidArgument,
+                    "must have a direction: its length is 0 or beyond double's range");
         }
         return rotation_about(axis / length, angle);
     }
     static_cast<void>(array_of(node, 4));
-    const dquat q{number(element(node, 0)), number(element(node, 1)), number(element(node, 2)), number(element(node, 3))};
+    const dquat q{number(element(node, 0)), number(element(node, 1)), number(element(node, 2)),
+                  number(element(node, 3))};
     const double length = glm::length(q);
     if (!(std::abs(length - 1.0) <= 1e-3)) {
-        fail_at(node, ErrorCode::InvalidArgument, fmt::format("a quaternion w, x, y, z must have length 1, not {}", length));
+        fail_at(node, ErrorCode::InvalidArgument,
+                fmt::format("a quaternion w, x, y, z must have length 1, not {}", length));
     }
     return q / length;
 }

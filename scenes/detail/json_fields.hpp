@@ -26,8 +26,8 @@ struct Node {
     const JsonValue& value;
     const std::string& file;
     const Node* parent = nullptr;
-    std::string_view key{};      ///< in the parent object; empty: an element
-    std::size_t index = 0;       ///< in the parent array
+    std::string_view key{};  ///< in the parent object; empty: an element
+    std::size_t index = 0;   ///< in the parent array
 
     /// @return e.g. "bodies[3].shapes[0].radius"; empty for the root.
     [[nodiscard]] std::string path() const;
@@ -59,13 +59,13 @@ private:
 
 [[nodiscard]] const std::string& text(const Node& node);
 [[nodiscard]] bool boolean(const Node& node);
-[[nodiscard]] double number(const Node& node);                                ///< finite
-[[nodiscard]] double number(const Node& node, double lower, double upper);    ///< in [lower, upper]
-[[nodiscard]] double positive(const Node& node);                              ///< > 0
-[[nodiscard]] int integer(const Node& node, int lower, int upper);            ///< whole, in [lower, upper]
-[[nodiscard]] float single(const Node& node);                                 ///< within float's range
-[[nodiscard]] float positive_single(const Node& node);                        ///< > 0 as a float
-[[nodiscard]] dvec3 vector(const Node& node);                                 ///< three numbers
+[[nodiscard]] double number(const Node& node);                              ///< finite
+[[nodiscard]] double number(const Node& node, double lower, double upper);  ///< in [lower, upper]
+[[nodiscard]] double positive(const Node& node);                            ///< > 0
+[[nodiscard]] int integer(const Node& node, int lower, int upper);          ///< whole, in [lower, upper]
+[[nodiscard]] float single(const Node& node);                               ///< within float's range
+[[nodiscard]] float positive_single(const Node& node);                      ///< > 0 as a float
+[[nodiscard]] dvec3 vector(const Node& node);                               ///< three numbers
 [[nodiscard]] vec3 single_vector(const Node& node);
 /// [w, x, y, z] of length 1 to 1e-3, or {"axis": [x, y, z], "angle": radians}.
 [[nodiscard]] dquat rotation(const Node& node);

@@ -107,7 +107,8 @@ private:
             if (auto* list = std::get_if<JsonValue::Array>(&open_.back()->data)) {
                 slot = &list->emplace_back();
             } else {
-                slot = &std::get<JsonValue::Object>(open_.back()->data).emplace_back(std::move(key_), JsonValue{}).second;
+                slot =
+                    &std::get<JsonValue::Object>(open_.back()->data).emplace_back(std::move(key_), JsonValue{}).second;
             }
         }
         slot->data.template emplace<T>(std::move(value));

@@ -29,8 +29,8 @@ struct JsonValue {
 
 /// Parses the whole of `text`. Numbers become double; those too large for it are an error.
 /// @param file  named in errors only.
-/// @return Parse, with `where` = file:line, for text that is not JSON, repeats a key, nests deeper than kMaxJsonDepth or holds
-/// more than kMaxJsonValues values.
+/// @return Parse, with `where` = file:line, for text that is not JSON, repeats a key, nests deeper than kMaxJsonDepth
+/// or holds more than kMaxJsonValues values.
 [[nodiscard]] Result<JsonValue> parse_json(std::string_view text, const std::string& file);
 
 }  // namespace carom::scenes::detail

@@ -10,11 +10,11 @@
 namespace carom::scenes::detail {
 namespace {
 
-constexpr int kQuads = 128;                           // along each side
-constexpr double kQuad = 0.5;                         // edge of a quad [m]
-constexpr double kHalf = kQuads * kQuad / 2.0;        // the mesh covers |x|, |z| <= kHalf [m]
-constexpr int kAcross = 20;                           // bodies along each side of a layer
-constexpr double kPitch = 1.6;                        // between neighbours and between layers [m]
+constexpr int kQuads = 128;                     // along each side
+constexpr double kQuad = 0.5;                   // edge of a quad [m]
+constexpr double kHalf = kQuads * kQuad / 2.0;  // the mesh covers |x|, |z| <= kHalf [m]
+constexpr int kAcross = 20;                     // bodies along each side of a layer
+constexpr double kPitch = 1.6;                  // between neighbours and between layers [m]
 
 double height(double x, double z) {
     return 2.0 * sin_cos(0.3 * x).sin + 1.5 * sin_cos(0.37 * z + 1.0).sin + 0.5 * sin_cos(0.9 * x + 0.7 * z).sin +

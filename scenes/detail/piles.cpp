@@ -13,14 +13,17 @@ constexpr double kLayer = 1.05;  // between layers [m]
 /// @return the shape of body `i` of the mixed pile, drawing what it needs.
 Shape draw_mixed(Random& random, int i, const dvec3& half) {
     switch (i % 4) {
-        case 0: return Sphere{static_cast<float>(half.x)};
-        case 1: return Box{vec3(half)};
+        case 0:
+            return Sphere{static_cast<float>(half.x)};
+        case 1:
+            return Box{vec3(half)};
         case 2: {
             const double radius = random.range(0.2, 0.3);
             const double half_segment = random.range(0.1, 0.2);
             return Capsule{static_cast<float>(radius), static_cast<float>(half_segment)};
         }
-        default: return draw_hull(random, 0.35, 0.5);
+        default:
+            return draw_hull(random, 0.35, 0.5);
     }
 }
 

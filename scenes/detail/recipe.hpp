@@ -14,7 +14,7 @@ namespace carom::scenes::detail {
 /// What a builder gets: numbers that are in range and complete, so that it need not ask again.
 struct Request {
     int bodies = 0;
-    bool bodies_given = false;             ///< the user said `bodies`, as opposed to the default
+    bool bodies_given = false;  ///< the user said `bodies`, as opposed to the default
     std::uint64_t seed = 0;
     std::map<std::string, double> values;  ///< one for each declared parameter
     std::map<std::string, bool> given;     ///< the parameters the user set
@@ -37,10 +37,10 @@ struct Recipe {
 };
 
 // One family a file.
-[[nodiscard]] std::vector<Recipe> stack_recipes();   // pyramid, tall_stack, mass_ratio
-[[nodiscard]] std::vector<Recipe> pile_recipes();    // pile_boxes, pile_mixed
+[[nodiscard]] std::vector<Recipe> stack_recipes();  // pyramid, tall_stack, mass_ratio
+[[nodiscard]] std::vector<Recipe> pile_recipes();   // pile_boxes, pile_mixed
 [[nodiscard]] Recipe mesh_bowl_recipe();
-[[nodiscard]] std::vector<Recipe> free_recipes();    // wall_fast, single_body_spin
+[[nodiscard]] std::vector<Recipe> free_recipes();  // wall_fast, single_body_spin
 [[nodiscard]] Recipe teapots_recipe();
 [[nodiscard]] Recipe fountain_recipe();
 [[nodiscard]] Recipe dominoes_recipe();
@@ -63,8 +63,8 @@ void add_room(World& world, double half_width, double height);
 /// Draws the yaw, then the angular velocity, into `body`.
 void draw_yaw_and_spin(Random& random, BodyDef& body);
 
-/// Draws a hull of 12 points on a sphere: its radius in [smallest, largest), then each point in the cube [-1, 1)³, again while
-/// its length is over 1 or under 0.1.
+/// Draws a hull of 12 points on a sphere: its radius in [smallest, largest), then each point in the cube [-1, 1)³,
+/// again while its length is over 1 or under 0.1.
 [[nodiscard]] Shape draw_hull(Random& random, double smallest, double largest);
 
 }  // namespace carom::scenes::detail

@@ -43,8 +43,8 @@ Result<int> pyramid_base(const Request& request) {
     }
     if (request.given.at("base")) {
         return Error{ErrorCode::InvalidArgument,
-                     "a base of " + std::to_string(base) + " has " + std::to_string(triangle_number(base)) + " boxes, not " +
-                         std::to_string(request.bodies),
+                     "a base of " + std::to_string(base) + " has " + std::to_string(triangle_number(base)) +
+                         " boxes, not " + std::to_string(request.bodies),
                      "bodies"};
     }
     return below;

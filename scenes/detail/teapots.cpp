@@ -14,11 +14,11 @@
 namespace carom::scenes::detail {
 namespace {
 
-constexpr double kBigTeapot = 6.0;      // from handle to spout [m]
+constexpr double kBigTeapot = 6.0;  // from handle to spout [m]
 constexpr double kSmallTeapot = 0.9;
-constexpr double kPitch = 1.3;          // between neighbours and between layers [m]
-constexpr int kAcross = 12;             // bodies along each side of a layer
-constexpr double kFirstLayer = 6.0;     // [m]; the teapot's lid is below 5 m
+constexpr double kPitch = 1.3;       // between neighbours and between layers [m]
+constexpr int kAcross = 12;          // bodies along each side of a layer
+constexpr double kFirstLayer = 6.0;  // [m]; the teapot's lid is below 5 m
 
 TerrainSettings hills(std::uint64_t seed) {
     return {.level = 6, .spacing = 0.5, .roughness = 0.5, .height = 0.8, .seed = seed, .rim = true};
@@ -33,8 +33,8 @@ double seat_height(const MeshData& ground) {
     return lowest;
 }
 
-/// The hull of those points of a small teapot that are farthest in each of 48 directions (a Fibonacci lattice on the sphere):
-/// the hull of all of them has four times as many corners, which nobody sees.
+/// The hull of those points of a small teapot that are farthest in each of 48 directions (a Fibonacci lattice on the
+/// sphere): the hull of all of them has four times as many corners, which nobody sees.
 Result<ConvexHullPtr> small_teapot() {
     const Result<MeshData> pot = teapot(kSmallTeapot, 0.04 * kSmallTeapot);
     if (!pot) return pot.error();
@@ -46,8 +46,8 @@ Result<ConvexHullPtr> small_teapot() {
         const double r = std::sqrt(1.0 - y * y);
         const SinCos turn = sin_cos(i * kGoldenAngle);
         const vec3 direction(dvec3{r * turn.cos, y, r * turn.sin});
-        vec3 farthest = *std::ranges::max_element(
-            pot->vertices, {}, [&](const vec3& v) { return glm::dot(direction, v); });
+        vec3 farthest =
+            *std::ranges::max_element(pot->vertices, {}, [&](const vec3& v) { return glm::dot(direction, v); });
         farthest.y -= 0.25f * static_cast<float>(kSmallTeapot);  // about its middle
         points.push_back(farthest);
     }
@@ -72,13 +72,15 @@ Result<Aabb> add_landscape(World& world, std::uint64_t seed) {
 
 Shape draw_shape(Random& random, int i, const ConvexHullPtr& pot) {
     switch (i % 4) {
-        case 0: return pot;
+        case 0:
+            return pot;
         case 1: {
             dvec3 half{0.0};
             for (int axis = 0; axis < 3; ++axis) half[axis] = random.range(0.2, 0.4);
             return Box{vec3(half)};
         }
-        case 2: return Sphere{static_cast<float>(random.range(0.2, 0.4))};
+        case 2:
+            return Sphere{static_cast<float>(random.range(0.2, 0.4))};
         default: {
             const double radius = random.range(0.15, 0.25);
             return Capsule{static_cast<float>(radius), static_cast<float>(random.range(0.15, 0.3))};

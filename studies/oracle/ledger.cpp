@@ -22,7 +22,8 @@ bool is_free(const World& world) {
 
 double momentum_sum(const World& world) {
     double sum = 0.0;
-    for (const BodyId body : world.bodies()) sum += world.mass_properties(body).mass * glm::length(world.linear_velocity(body));
+    for (const BodyId body : world.bodies())
+        sum += world.mass_properties(body).mass * glm::length(world.linear_velocity(body));
     return sum;
 }
 
@@ -31,26 +32,33 @@ double momentum_sum(const World& world) {
 EnergyLedger::EnergyLedger(const World& world) {
     measure(world);
     start_ = last_.total();
+    look_at_bodies(world);
 }
 
 void EnergyLedger::measure(const World& world) {
     last_ = world.energy();
     largest_kinetic_ = std::max(largest_kinetic_, last_.kinetic);
+}
+
+void EnergyLedger::look_at_bodies(const World& world) {
+    bodies_.assign(world.bodies().begin(), world.bodies().end());
     double mass = 0.0;
     double smallest = std::numeric_limits<double>::infinity();
-    for (const BodyId body : world.bodies()) {
+    for (const BodyId body : bodies_) {
         if (world.type(body) != BodyType::Dynamic) continue;
         mass += world.mass_properties(body).mass;
-        for (const ShapeId shape : world.shapes(body)) smallest = std::min(smallest, smallest_extent(world.shape(shape)));
+        for (const ShapeId shape : world.shapes(body)) {
+            smallest = std::min(smallest, smallest_extent(world.shape(shape)));
+        }
     }
-    const double lift = mass > 0.0 ? mass * glm::length(world.settings().gravity) * smallest : 0.0;
-    lift_ = std::max(lift_, lift);
+    if (is_finite(smallest)) lift_ = std::max(lift_, mass * glm::length(world.settings().gravity) * smallest);
 }
 
 void EnergyLedger::bodies_changed(const World& world) {
     const double before = last_.total();
     measure(world);
     brought_ += last_.total() - before;
+    if (!std::ranges::equal(bodies_, world.bodies())) look_at_bodies(world);
 }
 
 void EnergyLedger::stepped(const World& world) {
@@ -63,6 +71,7 @@ MomentumLedger::MomentumLedger(const World& world)
 
 void MomentumLedger::bodies_changed(const World& world) {
     free_ = free_ && is_free(world);
+    if (!free_) return;
     const Momentum now = world.momentum();
     start_.linear += now.linear - last_.linear;
     start_.angular += now.angular - last_.angular;

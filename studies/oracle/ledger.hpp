@@ -8,16 +8,18 @@
 #include <carom/dynamics/world.hpp>
 
 #include <optional>
+#include <vector>
 
 namespace carom::oracle {
 
-/// Energy that a run gains. Contact and friction may only take energy away, so a gain is an error; what bodies bring or take
-/// that are created or removed, or changed by the user, is no gain. Kinematic bodies do work and are not accounted for.
+/// Energy that a run gains. Contact and friction may only take energy away, so a gain is an error; what bodies bring or
+/// take that are created or removed, or changed by the user, is no gain. Kinematic bodies do work and are not accounted
+/// for.
 class EnergyLedger {
 public:
     explicit EnergyLedger(const World& world);
 
-    /// Call after the user created, removed or moved bodies, before the next step.
+    /// Call before each step, or at least after the user created, removed or moved bodies. Cheap where nothing changed.
     void bodies_changed(const World& world);
     /// Call after each step.
     void stepped(const World& world);
@@ -26,13 +28,15 @@ public:
     [[nodiscard]] double change() const noexcept { return last_.total() - start_ - brought_; }
     /// @return the largest kinetic energy so far + Σ m g L, with L the smallest extent of any dynamic body's shape [J].
     [[nodiscard]] double reference() const noexcept { return largest_kinetic_ + lift_; }
-    /// @return the largest change() / reference() over the run, so never negative; 0 if nothing was gained, infinity if
-    /// something came from nothing. Over 1e-3 the run is faulty.
+    /// @return the largest change() / reference() over the run, so never negative; 0 if nothing was gained. Over 1e-3 the
+    /// run is faulty.
     [[nodiscard]] double drift() const noexcept { return drift_; }
 
 private:
     void measure(const World& world);
+    void look_at_bodies(const World& world);
 
+    std::vector<BodyId> bodies_;  ///< those that lift_ is about
     Energy last_;
     double start_ = 0.0;
     double brought_ = 0.0;
@@ -48,8 +52,8 @@ struct MomentumDrift {
     double angular_magnitude = 0.0;  ///< ||L| - |L0|| over |L0|
 };
 
-/// Momentum of a world without gravity in which every body is dynamic; elsewhere the ground takes part, and there is no drift
-/// to speak of.
+/// Momentum of a world without gravity in which every body is dynamic; elsewhere the ground takes part, and there is no
+/// drift to speak of.
 class MomentumLedger {
 public:
     explicit MomentumLedger(const World& world);
@@ -59,7 +63,8 @@ public:
     /// Call after each step.
     void stepped(const World& world);
 
-    /// @return the largest errors over the run; nothing where the world is not free. A quantity that is and stays zero has no error.
+    /// @return the largest errors over the run; nothing where the world is not free. A quantity that is and stays zero
+    /// has no error.
     [[nodiscard]] std::optional<MomentumDrift> drift() const noexcept;
 
 private:

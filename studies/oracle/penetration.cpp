@@ -189,8 +189,8 @@ double plane_depth(const Samples& samples, const Plane& plane) {
     return deepest;
 }
 
-/// The triangle nearest to a sample. Of several at the same distance (a shared edge or corner) the one that faces the sample
-/// most tells on which side the sample is.
+/// The triangle nearest to a sample. Of several at the same distance (a shared edge or corner) the one that faces the
+/// sample most tells on which side the sample is.
 struct Nearest {
     double distance = std::numeric_limits<double>::infinity();
     double facing = -1.0;  ///< |height over the triangle's plane|

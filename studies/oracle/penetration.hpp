@@ -20,10 +20,10 @@ struct PenetrationSummary {
 struct Penetration {
     PenetrationSummary polytopes;  ///< boxes and hulls against each other: the least overlap over the separating axes
     PenetrationSummary round;      ///< spheres and capsules against each other and against boxes and hulls
-    /// Everything against meshes and planes: how far the deepest sample (a corner of a box or hull, the end of a capsule's segment
-    /// or the centre of a sphere, less the radius) lies behind the surface. Behind a mesh means: behind the nearest triangle, by
-    /// its winding, and no deeper than the shape's own bounding radius. Corners of the mesh inside a body are not looked at,
-    /// so it is a lower bound where ridges are sharp.
+    /// Everything against meshes and planes: how far the deepest sample (a corner of a box or hull, the end of a
+    /// capsule's segment or the centre of a sphere, less the radius) lies behind the surface. Behind a mesh means:
+    /// behind the nearest triangle, by its winding, and no deeper than the shape's own bounding radius. Corners of the
+    /// mesh inside a body are not looked at, so it is a lower bound where ridges are sharp.
     PenetrationSummary terrain;
 };
 
@@ -34,10 +34,10 @@ struct PenetrationSettings {
     bool terrain = true;
 };
 
-/// Looks at every pair of shapes of two bodies of which at least one is dynamic and whose layers and masks meet; quarantined
-/// bodies are left out. Pairs come from a sort and sweep over exact boxes, so none is missed.
-/// Accuracy: see <carom/studies/oracle/polytope.hpp>. Cost: O(n log n + candidates); 16,000 boxes in a heap take about
-/// 0.1 s. Allocates; const, so several may run at once.
+/// Looks at every pair of shapes of two bodies of which at least one is dynamic and whose layers and masks meet;
+/// quarantined bodies are left out. Pairs come from a sort and sweep over exact boxes, so none is missed. Accuracy: see
+/// <carom/studies/oracle/polytope.hpp>. Cost: O(n log n + candidates); 16,000 boxes in a heap take about 0.1 s.
+/// Allocates; const, so several may run at once.
 [[nodiscard]] Penetration geometric_penetration(const World& world, const PenetrationSettings& settings = {});
 
 }  // namespace carom::oracle

@@ -55,7 +55,8 @@ Polytope hull_polytope(const ConvexHull& hull, const Pose& pose) {
     p.position = pose.position;
     for (const vec3& v : hull.vertices()) p.vertices.push_back(rotate(pose.orientation, dvec3(v)));
     for (const ConvexHull::Face& face : hull.faces()) {
-        p.faces.push_back({rotate(pose.orientation, face.normal), 0.0, static_cast<std::uint32_t>(p.loops.size()), face.edge_count});
+        p.faces.push_back(
+            {rotate(pose.orientation, face.normal), 0.0, static_cast<std::uint32_t>(p.loops.size()), face.edge_count});
         std::uint32_t edge = face.first_edge;
         for (std::uint32_t i = 0; i < face.edge_count; ++i) {
             p.loops.push_back(hull.edges()[edge].origin);
@@ -93,7 +94,8 @@ std::vector<MirroredEdge> mirrored_edges(const Polytope& b) {
     std::vector<MirroredEdge> edges;
     edges.reserve(b.edges.size());
     for (const Polytope::Edge& e : b.edges) {
-        edges.push_back({-b.faces[e.left].normal, -b.faces[e.right].normal, b.vertices[e.b] - b.vertices[e.a], b.vertices[e.a]});
+        edges.push_back(
+            {-b.faces[e.left].normal, -b.faces[e.right].normal, b.vertices[e.b] - b.vertices[e.a], b.vertices[e.a]});
     }
     return edges;
 }

@@ -52,7 +52,7 @@ TEST(EnergyLedger, DoesNotTakeWhatTheUserBringsForAGain) {
     EXPECT_NEAR(ledger.change(), 0.0, 1e-12);
 }
 
-TEST(EnergyLedger, CallsEnergyFromNothingInfinite) {
+TEST(EnergyLedger, HasNoDriftWhereThereIsNothing) {
     World world({.gravity = dvec3{0.0}});
     EnergyLedger empty(world);
     empty.stepped(world);

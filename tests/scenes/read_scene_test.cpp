@@ -104,8 +104,7 @@ TEST_F(ReadScene, SubstepsComeFromTheUserThenTheFileThenTheSettings) {
 }
 
 TEST_F(ReadScene, GivesTheVelocityOfTheCentreOfMass) {
-    const Result<SceneRun> run =
-        read_body(R"("linear_velocity": [1,2,3], "angular_velocity": [0,0,5],
+    const Result<SceneRun> run = read_body(R"("linear_velocity": [1,2,3], "angular_velocity": [0,0,5],
                      "shapes": [{"type": "sphere", "radius": 0.5, "position": [2, 0, 0]}])");
     ASSERT_TRUE(run.has_value()) << run.error().message;
     EXPECT_EQ(run->world.linear_velocity(run->world.bodies()[0]), dvec3(1, 2, 3));
@@ -163,10 +162,12 @@ TEST_F(ReadScene, NamesKeysOfTheRoot) {
     expect_error(read("{\"bodies\": [], \"dt\": -1}"), ErrorCode::InvalidArgument, ":1: dt");
     expect_error(read("{\"bodies\": [], \"dt\": \"1\"}"), ErrorCode::WrongType, ":1: dt");
     expect_error(read("{\"bodies\": [], \"steps\": -1}"), ErrorCode::InvalidArgument, ":1: steps");
+    expect_error(read("{\"bodies\": [],\n\"steps\": -1\n\n}"), ErrorCode::InvalidArgument, ":2: steps");
     expect_error(read("{\"bodies\": [], \"steps\": 1.5}"), ErrorCode::WrongType, ":1: steps");
     expect_error(read("{\"bodies\": [], \"substeps\": 0}"), ErrorCode::InvalidArgument, ":1: substeps");
     expect_error(read("{\"bodies\": [], \"name\": null}"), ErrorCode::WrongType, ":1: name");
-    expect_error(read(R"({"bodies": [], "domain": {"lower": [0,0,0], "upper": [1,-1,1]}})"), ErrorCode::InvalidArgument, ":1: domain");
+    expect_error(read(R"({"bodies": [], "domain": {"lower": [0,0,0], "upper": [1,-1,1]}})"), ErrorCode::InvalidArgument,
+                 ":1: domain");
     expect_error(read(R"({"bodies": [], "domain": {"lower": [0,0,0]}})"), ErrorCode::Empty, ":1: domain");
 }
 
@@ -180,11 +181,14 @@ TEST_F(ReadScene, NamesKeysOfBodies) {
     expect_error(read_body(shapes + ", \"type\": 1"), ErrorCode::WrongType, ":2: bodies[0].type");
     expect_error(read_body(shapes + ", \"position\": {}"), ErrorCode::WrongType, ":2: bodies[0].position");
     expect_error(read_body(shapes + ", \"orientation\": [1,0,0]"), ErrorCode::WrongType, ":2: bodies[0].orientation");
-    expect_error(read_body(shapes + ", \"orientation\": [2,0,0,0]"), ErrorCode::InvalidArgument, ":2: bodies[0].orientation");
-    expect_error(read_body(shapes + ", \"orientation\": [0,0,0,0]"), ErrorCode::InvalidArgument, ":2: bodies[0].orientation");
+    expect_error(read_body(shapes + ", \"orientation\": [2,0,0,0]"), ErrorCode::InvalidArgument,
+                 ":2: bodies[0].orientation");
+    expect_error(read_body(shapes + ", \"orientation\": [0,0,0,0]"), ErrorCode::InvalidArgument,
+                 ":2: bodies[0].orientation");
     expect_error(read_body(shapes + R"(, "orientation": {"axis": [0,0,0], "angle": 1})"), ErrorCode::InvalidArgument,
                  ":2: bodies[0].orientation.axis");
-    expect_error(read_body(shapes + R"(, "orientation": {"axis": [0,1,0]})"), ErrorCode::Empty, ":2: bodies[0].orientation");
+    expect_error(read_body(shapes + R"(, "orientation": {"axis": [0,1,0]})"), ErrorCode::Empty,
+                 ":2: bodies[0].orientation");
     expect_error(read_body(shapes + R"(, "type": "static", "linear_velocity": [1,0,0])"), ErrorCode::InvalidArgument,
                  ":2: bodies[0].linear_velocity");
     expect_error(read("{\"bodies\": [{" + shapes + "},\n{" + shapes + "},\n{\"shapes\": [{}]}]}"), ErrorCode::Empty,
@@ -200,11 +204,15 @@ TEST_F(ReadScene, NamesKeysOfShapes) {
     expect_error(read_shape(R"("type": "sphere", "radius": 1e-300)"), ErrorCode::InvalidArgument, at + ".radius");
     expect_error(read_shape(R"("type": "sphere", "radius": 1e300)"), ErrorCode::InvalidArgument, at + ".radius");
     expect_error(read_shape(R"("type": "sphere", "radius": true)"), ErrorCode::WrongType, at + ".radius");
-    expect_error(read_shape(R"("type": "sphere", "radius": 1, "half_segment": 1)"), ErrorCode::UnknownName, at + ".half_segment");
-    expect_error(read_shape(R"("type": "box", "half_extents": [1,0,1])"), ErrorCode::InvalidArgument, at + ".half_extents[1]");
+    expect_error(read_shape(R"("type": "sphere", "radius": 1, "half_segment": 1)"), ErrorCode::UnknownName,
+                 at + ".half_segment");
+    expect_error(read_shape(R"("type": "box", "half_extents": [1,0,1])"), ErrorCode::InvalidArgument,
+                 at + ".half_extents[1]");
     expect_error(read_shape(R"("type": "box", "half_extents": [1,1,1,1])"), ErrorCode::WrongType, at + ".half_extents");
-    expect_error(read_shape(R"("type": "capsule", "radius": 1, "half_segment": -1)"), ErrorCode::InvalidArgument, at + ".half_segment");
-    expect_error(read_shape(R"("type": "plane", "normal": [0,0,0])", "static"), ErrorCode::InvalidArgument, at + ".normal");
+    expect_error(read_shape(R"("type": "capsule", "radius": 1, "half_segment": -1)"), ErrorCode::InvalidArgument,
+                 at + ".half_segment");
+    expect_error(read_shape(R"("type": "plane", "normal": [0,0,0])", "static"), ErrorCode::InvalidArgument,
+                 at + ".normal");
     expect_error(read_shape(R"("type": "plane", "normal": [0,1,0])"), ErrorCode::WrongType, at);
     const std::string sphere = R"("type": "sphere", "radius": 1, )";
     expect_error(read_shape(sphere + R"("density": 0)"), ErrorCode::InvalidArgument, at + ".density");
@@ -216,19 +224,25 @@ TEST_F(ReadScene, NamesKeysOfShapes) {
 TEST_F(ReadScene, NamesKeysOfHullsAndMeshes) {
     const std::string at = ":3: bodies[0].shapes[0]";
     expect_error(read_shape(R"("type": "convex_hull", "points": [])"), ErrorCode::Empty, at + ".points");
-    expect_error(read_shape(R"("type": "convex_hull", "points": [[0,0,0],[1,0,0],[0,1,0],[1,1,0]])"), ErrorCode::Degenerate, at + ".points");
-    expect_error(read_shape(R"("type": "convex_hull", "points": [[0,0,0],[1,0]])"), ErrorCode::WrongType, at + ".points[1]");
+    expect_error(read_shape(R"("type": "convex_hull", "points": [[0,0,0],[1,0,0],[0,1,0],[1,1,0]])"),
+                 ErrorCode::Degenerate, at + ".points");
+    expect_error(read_shape(R"("type": "convex_hull", "points": [[0,0,0],[1,0]])"), ErrorCode::WrongType,
+                 at + ".points[1]");
     expect_error(read_shape(R"("type": "convex_hull", "generate": "bunny")"), ErrorCode::UnknownName, at + ".generate");
     expect_error(read_shape(R"("type": "triangle_mesh", "generate": "teapot", "size": 1)"), ErrorCode::WrongType, at);
     const std::string mesh = R"("type": "triangle_mesh", )";
     expect_error(read_shape(mesh + R"("generate": "bunny")", "static"), ErrorCode::UnknownName, at + ".generate");
     expect_error(read_shape(mesh + R"("generate": "teapot")", "static"), ErrorCode::Empty, at);
-    expect_error(read_shape(mesh + R"("generate": "teapot", "size": 1, "chord_error": 1e-9)", "static"), ErrorCode::InvalidArgument,
-                 at + ".chord_error");
-    expect_error(read_shape(mesh + R"("generate": "terrain", "level": 40)", "static"), ErrorCode::InvalidArgument, at + ".level");
-    expect_error(read_shape(mesh + R"("generate": "terrain", "roughness": 2)", "static"), ErrorCode::InvalidArgument, at + ".roughness");
-    expect_error(read_shape(mesh + R"("generate": "terrain", "points": [])", "static"), ErrorCode::UnknownName, at + ".points");
-    expect_error(read_shape(mesh + R"("vertices": [[0,0,0],[1,0,0],[0,1,0]], "triangles": [])", "static"), ErrorCode::Empty, at);
+    expect_error(read_shape(mesh + R"("generate": "teapot", "size": 1, "chord_error": 1e-9)", "static"),
+                 ErrorCode::InvalidArgument, at + ".chord_error");
+    expect_error(read_shape(mesh + R"("generate": "terrain", "level": 40)", "static"), ErrorCode::InvalidArgument,
+                 at + ".level");
+    expect_error(read_shape(mesh + R"("generate": "terrain", "roughness": 2)", "static"), ErrorCode::InvalidArgument,
+                 at + ".roughness");
+    expect_error(read_shape(mesh + R"("generate": "terrain", "points": [])", "static"), ErrorCode::UnknownName,
+                 at + ".points");
+    expect_error(read_shape(mesh + R"("vertices": [[0,0,0],[1,0,0],[0,1,0]], "triangles": [])", "static"),
+                 ErrorCode::Empty, at);
     expect_error(read_shape(mesh + R"("vertices": [[0,0,0],[1,0,0],[0,1,0]], "triangles": [[0,1,3]])", "static"),
                  ErrorCode::InvalidArgument, at + ".triangles[0][2]");
     expect_error(read_shape(mesh + R"("vertices": [[0,0,0],[1,0,0],[0,1,0]], "triangles": [[0,1,0.5]])", "static"),
