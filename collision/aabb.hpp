@@ -43,8 +43,9 @@ struct Aabb {
 /// Cost: O(1), hull and mesh O(vertices).
 [[nodiscard]] double bounding_radius(const Shape& shape);
 
-/// @return the smallest edge of the box that holds the shape in its own frame [m]; infinite for a plane, 0 for a mesh in a
-/// plane along the axes.
+/// @return how thin the shape is [m]: the smallest edge of a box, the diameter of a sphere or capsule, the least width of a hull across
+/// one of its faces, however it is turned in its frame. Of a mesh: the smallest edge of the box that holds it in its own frame,
+/// so 0 for one in a plane along the axes. Infinite for a plane. Cost: O(1), hull O(faces x vertices).
 [[nodiscard]] double smallest_extent(const Shape& shape);
 
 }  // namespace carom

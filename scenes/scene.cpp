@@ -87,6 +87,7 @@ Result<Request> check(const Recipe& recipe, const SceneOptions& options) {
         return Error{ErrorCode::InvalidArgument, fmt::format("{} is outside 1..1024", request.world.substeps),
                      "substeps"};
     }
+    if (Status status = validate(request.world); !status) return status.error();
     const Status parameters = read_parameters(recipe, options, request);
     if (!parameters) return parameters.error();
     return request;

@@ -1,5 +1,7 @@
 #include <carom/dynamics/detail/bundle_fill.hpp>
 
+#include <carom/core/check.hpp>
+
 #include <algorithm>
 
 namespace carom::dynamics {
@@ -38,14 +40,19 @@ void fill_point(PointLanes& p, std::size_t lane, const LaneInput& in, std::size_
 
 }  // namespace
 
-void clear_bundle(ContactBundle& bundle, std::int32_t unmovable_row) noexcept {
-    const Wide<std::uint32_t> manifold = bundle.manifold;
-    bundle = ContactBundle{};
-    bundle.manifold = manifold;
+void clear_bundle(ContactBundle& bundle, std::int32_t unmovable_row, std::size_t point_count) noexcept {
     bundle.row_a.fill(unmovable_row);
     bundle.row_b.fill(unmovable_row);
+    bundle.nx.fill(0.0f);
     bundle.ny.fill(1.0f);
+    bundle.nz.fill(0.0f);
+    for (Wide<float>* lanes : {&bundle.friction, &bundle.restitution, &bundle.bias_rate, &bundle.impulse_scale, &bundle.push_limit}) {
+        lanes->fill(0.0f);
+    }
     bundle.mass_scale.fill(1.0f);
+    bundle.bounces = false;
+    bundle.point_count = static_cast<std::int32_t>(point_count);
+    std::fill_n(bundle.points.begin(), point_count, PointLanes{});
 }
 
 void fill_lane(ContactBundle& bundle, std::size_t lane, const LaneInput& input) noexcept {
@@ -61,8 +68,7 @@ void fill_lane(ContactBundle& bundle, std::size_t lane, const LaneInput& input) 
     bundle.mass_scale[lane] = input.soft.mass_scale;
     bundle.impulse_scale[lane] = input.soft.impulse_scale;
     bundle.push_limit[lane] = input.push_limit;
-    const auto count = static_cast<std::int32_t>(input.manifold->count);
-    bundle.point_count = std::max(bundle.point_count, count);
+    CAROM_ASSERT(input.manifold->count <= static_cast<std::uint32_t>(bundle.point_count));
     for (std::size_t k = 0; k < input.manifold->count; ++k) fill_point(bundle.points[k], lane, input, k);
 }
 

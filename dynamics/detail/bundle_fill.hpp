@@ -18,10 +18,10 @@ struct LaneInput {
     float push_limit = 0.0f;  ///< [m/s]
 };
 
-/// Makes every lane a no-op: bodies that never move, no mass, no impulse.
-void clear_bundle(ContactBundle& bundle, std::int32_t unmovable_row) noexcept;
+/// Makes every lane a no-op, bodies that never move, no mass, no impulse, in the points that a bundle of `point_count` uses.
+void clear_bundle(ContactBundle& bundle, std::int32_t unmovable_row, std::size_t point_count) noexcept;
 
-/// Fills a lane of a cleared bundle for `prepare` to finish: normal_mass is 1 where a point is in use, separation is the
+/// Fills a lane of a cleared bundle, with no more points than it was cleared for, for `prepare` to finish: normal_mass is 1 where a point is in use, separation is the
 /// manifold's, and the friction impulse lies in tangent_impulse_1, tangent_impulse_2 and peak_impulse as x, y, z.
 void fill_lane(ContactBundle& bundle, std::size_t lane, const LaneInput& input) noexcept;
 

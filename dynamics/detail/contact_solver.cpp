@@ -146,7 +146,11 @@ void ContactSolver::lay_out_bundles() {
 
 void ContactSolver::fill_bundle(ContactBundle& bundle, const ContactSet& contacts, const ProxySet& proxies,
                                 const BodyArrays& bodies) const {
-    clear_bundle(bundle, static_cast<std::int32_t>(slot_of_row_.size()));
+    std::size_t point_count = 0;
+    for (const std::uint32_t m : bundle.manifold) {
+        if (m != kUnusedLane) point_count = std::max<std::size_t>(point_count, contacts.manifolds[m].count);
+    }
+    clear_bundle(bundle, static_cast<std::int32_t>(slot_of_row_.size()), point_count);
     for (std::size_t lane = 0; lane < kLanesPerBundle; ++lane) {
         const std::uint32_t m = bundle.manifold[lane];
         if (m == kUnusedLane) continue;

@@ -2,6 +2,7 @@
 #include <carom/collision/aabb.hpp>
 #include <carom/collision/convex_hull.hpp>
 #include <carom/collision/triangle_mesh.hpp>
+#include <carom/core/math.hpp>
 #include <carom/core/random.hpp>
 
 #include <glm/common.hpp>
@@ -184,7 +185,18 @@ TEST(Bounds, SmallestExtent) {
     EXPECT_EQ(smallest_extent(Box{{1.0f, 0.125f, 2.0f}}), 0.25);
     EXPECT_EQ(smallest_extent(Capsule{0.25f, 3.0f}), 0.5);
     const std::vector<vec3> points{{0, 0, 1}, {4, 0, 1}, {0, 3, 1}, {0, 0, 1.5f}};
-    EXPECT_EQ(smallest_extent(*ConvexHull::build(points)), 0.5);
+    // Across the slanted face x/4 + y/3 + (z - 1)/0.5 = 1, which is less than the 0.5 across the base.
+    EXPECT_NEAR(smallest_extent(*ConvexHull::build(points)), 1.0 / std::sqrt(1.0 / 16.0 + 1.0 / 9.0 + 4.0), 1e-6);
+}
+
+TEST(Bounds, SmallestExtentOfAHullDoesNotDependOnHowItLies) {
+    const dquat turn = rotation_from_vector({0.3, 0.7, 0.4});
+    std::vector<vec3> rod;
+    for (int i = 0; i < 8; ++i) {
+        const dvec3 corner{(i & 1) != 0 ? 2.0 : -2.0, (i & 2) != 0 ? 0.1 : -0.1, (i & 4) != 0 ? 0.1 : -0.1};
+        rod.push_back(vec3{rotate(turn, corner)});
+    }
+    EXPECT_NEAR(smallest_extent(*ConvexHull::build(rod)), 0.2, 1e-6);
 }
 
 TEST(Aabb, OperationsFollowClosedIntervals) {

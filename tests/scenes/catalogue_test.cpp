@@ -299,6 +299,7 @@ TEST(MakeScene, RefusesWhatIsOutOfRange) {
     expect_error(make_scene("mass_ratio", {.set = {{"ratio", "-1"}}}), ErrorCode::InvalidArgument, "set ratio");
     expect_error(make_scene("pyramid", {.substeps = 0}), ErrorCode::InvalidArgument, "substeps");
     expect_error(make_scene("pyramid", {.world = {.substeps = 2000}}), ErrorCode::InvalidArgument, "substeps");
+    expect_error(make_scene("pyramid", {.world = {.contact_rate = 2.0}}), ErrorCode::InvalidArgument, "WorldDef");
 }
 
 TEST(MakeScene, TakesTheWorldsSettings) {
