@@ -79,13 +79,32 @@ Quad nearest_face(const ReferenceView& v) noexcept {
     return q;
 }
 
-void add_corners(const Quad& q, double hu, double hw, double margin, double tolerance, FacePoints& points) noexcept {
+// Which corners of the quad are beyond which side of the rectangle: bit k of sides[s] for corner k.
+struct Beyond {
+    unsigned sides[4] = {0, 0, 0, 0};
+    [[nodiscard]] bool none() const noexcept { return (sides[0] | sides[1] | sides[2] | sides[3]) == 0; }
+};
+
+Beyond corners_beyond(const Quad& q, double hu, double hw) noexcept {
+    Beyond b;
+#pragma GCC unroll 4
     for (int k = 0; k < 4; ++k) {
-        if (std::abs(q.u[k]) <= hu + tolerance && std::abs(q.w[k]) <= hw + tolerance && q.h[k] <= margin) {
-            points.add({q.u[k], q.w[k], q.h[k], k, -1, -1});
-        }
+        b.sides[0] |= (q.u[k] > hu ? 1u : 0u) << k;
+        b.sides[1] |= (q.u[k] < -hu ? 1u : 0u) << k;
+        b.sides[2] |= (q.w[k] > hw ? 1u : 0u) << k;
+        b.sides[3] |= (q.w[k] < -hw ? 1u : 0u) << k;
     }
-    // Corners of the rectangle in the coordinates of the parallelogram.
+    return b;
+}
+
+void add_quad_corners(const Quad& q, double hu, double hw, double margin, FacePoints& points) noexcept {
+    for (int k = 0; k < 4; ++k) {
+        if (std::abs(q.u[k]) <= hu && std::abs(q.w[k]) <= hw && q.h[k] <= margin) points.add({q.u[k], q.w[k], q.h[k], k, -1, -1});
+    }
+}
+
+// Corners of the rectangle, in the coordinates of the parallelogram.
+void add_rectangle_corners(const Quad& q, double hu, double hw, double margin, FacePoints& points) noexcept {
     const double determinant = q.pu * q.qw - q.pw * q.qu;
     if (determinant == 0.0) return;  // the other face stands on edge
     const double inverse = 1.0 / determinant;
@@ -99,20 +118,24 @@ void add_corners(const Quad& q, double hu, double hw, double margin, double tole
     }
 }
 
-void add_crossings(const Quad& q, double hu, double hw, double margin, FacePoints& points) noexcept {
-    for (int k = 0; k < 4; ++k) {
-        const int n = (k + 1) & 3;
-        for (int side = 0; side < 4; ++side) {
-            const bool is_u = side < 2;
-            const double line = (side & 1 ? -1.0 : 1.0) * (is_u ? hu : hw);
-            const double from = (is_u ? q.u[k] : q.w[k]) - line, to = (is_u ? q.u[n] : q.w[n]) - line;
-            if ((from < 0.0) == (to < 0.0)) continue;
-            const double t = from / (from - to);
-            const double u = is_u ? line : q.u[k] + t * (q.u[n] - q.u[k]);
-            const double w = is_u ? q.w[k] + t * (q.w[n] - q.w[k]) : line;
-            if (std::abs(is_u ? w : u) > (is_u ? hw : hu)) continue;
+void add_crossings(const Quad& q, const Beyond& beyond, double hu, double hw, double margin, FacePoints& points) noexcept {
+    for (int side = 0; side < 4; ++side) {
+        const unsigned mask = beyond.sides[side];
+        const unsigned crossed = mask ^ (((mask >> 1) | (mask << 3)) & 15u);  // bit k: edge k passes the side
+        if (crossed == 0) continue;
+        const bool is_u = side < 2;
+        const double limit = is_u ? hu : hw, other_limit = is_u ? hw : hu;
+        const double line = side & 1 ? -limit : limit;
+        const double *x = is_u ? q.u : q.w, *y = is_u ? q.w : q.u;
+        for (int k = 0; k < 4; ++k) {
+            if ((crossed >> k & 1u) == 0) continue;
+            const int n = (k + 1) & 3;
+            const double t = (x[k] - line) / (x[k] - x[n]);
+            const double along = y[k] + t * (y[n] - y[k]);
             const double h = q.h[k] + t * (q.h[n] - q.h[k]);
-            if (h <= margin) points.add({u, w, h, -1, k, side});
+            // A crossing next to a corner of the rectangle may round to either side of it: closed by the tolerance.
+            if (std::abs(along) > other_limit * (1.0 + kInsideTolerance) || h > margin) continue;
+            points.add({is_u ? line : along, is_u ? along : line, h, -1, k, side});
         }
     }
 }
@@ -129,7 +152,7 @@ std::uint32_t edge_number(int axis, std::uint32_t vertex) noexcept {
 std::uint64_t name_of(const FacePoint& p, const ReferenceView& v, const Quad& q, double snap, bool reference_is_a) noexcept {
     const double hu = v.half[(v.face + 1) % 3], hw = v.half[(v.face + 2) % 3];
     int corner = p.corner;
-    for (int k = 0; k < 4 && corner < 0; ++k) {
+    for (int k = 0; corner < 0 && k < 4; ++k) {
         if (std::abs(q.u[k] - p.u) < snap && std::abs(q.w[k] - p.w) < snap) corner = k;
     }
     const bool at_reference = std::abs(std::abs(p.u) - hu) < snap && std::abs(std::abs(p.w) - hw) < snap;
@@ -162,8 +185,12 @@ void build_box_face_patch(const BoxPair& p, const BoxAxis& axis, double margin, 
     const double size = std::max({p.a[0], p.a[1], p.a[2], p.b[0], p.b[1], p.b[2]});
 
     FacePoints points;
-    add_corners(quad, hu, hw, margin, kInsideTolerance * size, points);
-    add_crossings(quad, hu, hw, margin, points);
+    const Beyond beyond = corners_beyond(quad, hu, hw);
+    add_quad_corners(quad, hu, hw, margin, points);
+    if (!beyond.none()) {  // otherwise the whole of the other face is over this one
+        add_rectangle_corners(quad, hu, hw, margin, points);
+        add_crossings(quad, beyond, hu, hw, margin, points);
+    }
     // The axis of the face, seen from A.
     const double direction = of_a ? v.side : -v.side;
     for (int i = 0; i < 3; ++i) patch.normal[i] = direction * (of_a ? (i == v.face ? 1.0 : 0.0) : p.axes[i][v.face]);
