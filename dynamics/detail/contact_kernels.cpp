@@ -28,7 +28,7 @@ struct Displacement {
     }
 };
 
-HWY_INLINE Displacement read_displacement(const SolverBodies& all, const std::int32_t* rows) {
+CAROM_PASS_INLINE Displacement read_displacement(const SolverBodies& all, const std::int32_t* rows) {
     const float* body = reinterpret_cast<const float*>(all.bodies.data());
     Floats sx, sy, sz, tx, ty, tz, tw, unused;
     gather_rows(body, rows, kBodyStride, 8, sx, sy, sz, unused);
@@ -53,7 +53,7 @@ void warm_start_bundle(ContactBundle& c, SolverBodies& all, int lane) {
 
 /// Coulomb friction in the tangent plane: one scalar step in both directions, then back radially into the circle.
 /// @param to_speed  about 1 / tangent mass: lengths are compared as speeds, whose squares fit into floats at any mass.
-HWY_INLINE void solve_friction(PointLanes& p, int lane, Floats friction, Floats to_speed, const Basis& basis, Bodies& a,
+CAROM_PASS_INLINE void solve_friction(PointLanes& p, int lane, Floats friction, Floats to_speed, const Basis& basis, Bodies& a,
                                Bodies& b) {
     const Floats3 ra = lever_a(p, lane);
     const Floats3 rb = lever_b(p, lane);
@@ -84,7 +84,7 @@ struct SoftLanes {
 };
 
 template <bool kBias>
-HWY_INLINE void solve_normal(PointLanes& p, int lane, const SoftLanes& soft, const SolveSettings& settings, const Basis& basis,
+CAROM_PASS_INLINE void solve_normal(PointLanes& p, int lane, const SoftLanes& soft, const SolveSettings& settings, const Basis& basis,
                   Floats separation, Bodies& a, Bodies& b) {
     const Floats zero = broadcast(0.0f);
     const Floats one = broadcast(1.0f);
@@ -176,7 +176,7 @@ Floats inverse_or_zero(Floats x, Mask used) {
     return select(good, broadcast(1.0f) / select(good, x, broadcast(1.0f)), broadcast(0.0f));
 }
 
-HWY_INLINE void prepare_point(PointLanes& p, int lane, const Basis& basis, const Bodies& a, const Bodies& b) {
+CAROM_PASS_INLINE void prepare_point(PointLanes& p, int lane, const Basis& basis, const Bodies& a, const Bodies& b) {
     const Floats3 ra = lever_a(p, lane);
     const Floats3 rb = lever_b(p, lane);
     const Mask used = get(p.normal_mass, lane) > broadcast(0.0f);

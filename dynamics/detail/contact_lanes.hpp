@@ -10,6 +10,16 @@
 #include <carom/core/lanes.hpp>
 #include <carom/dynamics/detail/contact_bundle.hpp>
 
+// The passes are one piece of code each, so that the lanes stay in registers. With the sanitizers' checks in it, such a piece would keep
+// GCC 12 busy for many minutes: there they stay apart.
+#ifndef CAROM_PASS_INLINE
+#ifdef __SANITIZE_ADDRESS__
+#define CAROM_PASS_INLINE inline
+#else
+#define CAROM_PASS_INLINE HWY_INLINE
+#endif
+#endif
+
 HWY_BEFORE_NAMESPACE();
 namespace carom::HWY_NAMESPACE {
 namespace {
@@ -50,7 +60,7 @@ struct Bodies {
     Floats3 velocity_at(const Floats3& r) const { return v + cross(w, r); }
 };
 
-HWY_INLINE Bodies read_bodies(const SolverBodies& all, const std::int32_t* rows) {
+CAROM_PASS_INLINE Bodies read_bodies(const SolverBodies& all, const std::int32_t* rows) {
     const float* body = reinterpret_cast<const float*>(all.bodies.data());
     const float* mass = reinterpret_cast<const float*>(all.masses.data());
     // GCC 12 compiles implicit constructors of aggregates for the baseline target: fill them from locals.
@@ -62,7 +72,7 @@ HWY_INLINE Bodies read_bodies(const SolverBodies& all, const std::int32_t* rows)
     return {{vx, vy, vz}, {wx, wy, wz}, ixx, iyy, izz, ixy, ixz, iyz, inverse_mass};
 }
 
-HWY_INLINE void write_bodies(SolverBodies& all, const std::int32_t* rows, const Bodies& b) {
+CAROM_PASS_INLINE void write_bodies(SolverBodies& all, const std::int32_t* rows, const Bodies& b) {
     float* body = reinterpret_cast<float*>(all.bodies.data());
     const Floats zero = broadcast(0.0f);
     scatter_rows(body, rows, kBodyStride, 0, b.v.x, b.v.y, b.v.z, zero, all.movable);
@@ -74,7 +84,7 @@ struct Basis {
 };
 
 /// Tangents of the normal (Duff et al., Building an Orthonormal Basis, Revisited, JCGT 2017).
-HWY_INLINE Basis make_basis(const ContactBundle& c, int lane) {
+CAROM_PASS_INLINE Basis make_basis(const ContactBundle& c, int lane) {
     const Floats one = broadcast(1.0f);
     const Floats3 n{get(c.nx, lane), get(c.ny, lane), get(c.nz, lane)};
     const Floats sign = select(n.z < broadcast(0.0f), -one, one);
