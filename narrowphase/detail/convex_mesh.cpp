@@ -24,6 +24,7 @@ struct PolytopeProbe {
     dvec3 centre{0.0};
 
     [[nodiscard]] double size() const noexcept { return polytope.size; }
+    [[nodiscard]] double radius() const noexcept { return 0.0; }
     [[nodiscard]] double reach(const dvec3& n) const noexcept {
         return reach_along(polytope, n);
     }
@@ -52,6 +53,7 @@ struct SegmentProbe {
     dvec3 centre{0.0};
 
     [[nodiscard]] double size() const noexcept { return core.radius + std::abs(core.segment.to.y); }
+    [[nodiscard]] double radius() const noexcept { return core.radius; }
     [[nodiscard]] double reach(const dvec3& n) const noexcept {
         return core.radius * std::sqrt(glm::dot(n, n)) + std::max(glm::dot(core.segment.from, n), glm::dot(core.segment.to, n));
     }
@@ -89,6 +91,7 @@ bool touch_triangle(const Probe& probe, const MeshSurface& surface, double margi
     ContactAxis axis;
     if (!probe.axis(triangle, margin, workspace, axis)) return false;
 
+    const bool apart = axis.separation > kTouching * probe.size();
     AxisPoint point = AxisPoint::Keep;
     const bool is_face = axis.kind == AxisKind::FaceOfB || -glm::dot(axis.normal, face.normal) > kFaceCosine;
     const bool is_other_face = axis.kind == AxisKind::FaceOfB && glm::dot(axis.normal, face.normal) > 0.0;
@@ -97,6 +100,9 @@ bool touch_triangle(const Probe& probe, const MeshSurface& surface, double margi
         point = AxisPoint::Leave;
     }
     probe.patch(triangle, axis, margin, point, workspace, patch);
+    // A shape that does not reach the triangle lies on one side of it, all over it. Where that is not the side of the centre, the
+    // heights are those of its far side and mean nothing.
+    if (apart && point == AxisPoint::Leave && patch.count > 0 && patch.points[0].separation < -probe.radius()) return false;
     return patch.count > 0;
 }
 

@@ -155,6 +155,37 @@ TEST(Mesh, HugeTriangleUnderTinyShapes) {
     }
 }
 
+TEST(Mesh, TheSurfaceOfAHullIsAsFarAsTheHull) {
+    Random r(4);
+    int near = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const ConvexHullPtr hull = random_hull(r, 16, 0.4, 0.8);
+        std::vector<TriangleMesh::Triangle> triangles;
+        const auto edges = hull->edges();
+        for (const ConvexHull::Face& face : hull->faces()) {
+            for (std::uint32_t b = edges[face.first_edge].next; edges[b].next != face.first_edge; b = edges[b].next) {
+                triangles.push_back({edges[face.first_edge].origin, edges[b].origin, edges[edges[b].next].origin});
+            }
+        }
+        const Shape solid = hull, surface = *TriangleMesh::build(hull->vertices(), triangles);
+        const Shape others[] = {Sphere{0.3f}, Box{{0.3f, 0.2f, 0.4f}}, Capsule{0.2f, 0.3f}, random_hull(r, 12, 0.3, 0.5)};
+        const Shape& other = others[i % 4];
+        const Pose pose{random_direction(r) * r.range(0.6, 1.3), random_rotation(r)};
+        const float margin = 0.1f;
+        const std::vector<Manifold> s = collide_all(other, pose, solid, {}, margin), m = collide_all(other, pose, surface, {}, margin);
+        if (s.empty()) {
+            EXPECT_TRUE(m.empty()) << i;
+        } else if (least_separation(s[0]) > 1e-5f) {
+            ++near;
+            ASSERT_FALSE(m.empty()) << i;
+            // The leader is the nearest; its normal is that of the solid.
+            EXPECT_NEAR(least_separation(m[0]), least_separation(s[0]), 3e-6f) << i << " " << to_string(type_of(other));
+            EXPECT_GT(glm::dot(dvec3(m[0].normal), dvec3(s[0].normal)), 1.0 - 1e-5) << i << " " << to_string(type_of(other));
+        }
+    }
+    EXPECT_GT(near, 100);
+}
+
 TEST(Mesh, PushesToTheSideOfTheCentre) {
     const Shape ground = flat(4, 1.0);
     for (const double side : {1.0, -1.0}) {

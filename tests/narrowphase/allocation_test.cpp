@@ -1,0 +1,58 @@
+// The batch allocates nothing once it is warm.
+#include "oracle.hpp"
+
+#include <carom/collision/triangle_mesh.hpp>
+#include <carom/core/executor.hpp>
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cstdlib>
+#include <new>
+
+namespace {
+std::atomic<long> g_allocations{0};
+}
+
+void* operator new(std::size_t size) {
+    ++g_allocations;
+    if (void* memory = std::malloc(size > 0 ? size : 1)) return memory;
+    throw std::bad_alloc{};
+}
+void operator delete(void* memory) noexcept { std::free(memory); }
+void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+
+namespace carom {
+namespace {
+
+using namespace test;
+
+TEST(Allocation, NoneOnceWarm) {
+    Random r(31);
+    const std::vector<vec3> v = {{-4, 0, -4}, {-4, 0, 4}, {4, 0.5f, -4}, {4, 0, 4}};
+    const std::vector<TriangleMesh::Triangle> t = {{0, 1, 3}, {0, 3, 2}};
+    const std::vector<Shape> shapes = {Sphere{0.4f}, Box{{0.4f, 0.3f, 0.5f}}, Capsule{0.2f, 0.4f}, Plane{}, random_hull(r, 20, 0.3, 0.6),
+                                       *TriangleMesh::build(v, t)};
+    std::vector<ShapePair> pairs;
+    for (int i = 0; i < 40; ++i) {
+        for (const Shape& a : shapes) {
+            for (const Shape& b : shapes) {
+                if (!can_collide(type_of(a), type_of(b))) continue;
+                pairs.push_back({&a, &b, {random_direction(r) * 0.3, random_rotation(r)}, {random_direction(r) * 0.3, random_rotation(r)}, 0.02f});
+            }
+        }
+    }
+    SerialExecutor executor;
+    CollideScratch scratch;
+    std::vector<Manifold> out;
+    collide(pairs, executor, scratch, out);
+    const std::size_t count = out.size();
+    const long before = g_allocations;
+    collide(pairs, executor, scratch, out);
+    EXPECT_EQ(g_allocations - before, 0);
+    EXPECT_EQ(out.size(), count);
+    EXPECT_GT(count, pairs.size() / 2);
+}
+
+}  // namespace
+}  // namespace carom
