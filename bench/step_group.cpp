@@ -98,6 +98,7 @@ void print_head(std::FILE* out) {
                "below", "mean", "");
     fmt::print(out, "{:<17} {:<7} {:>7} {:>9} {:>8}  {:>9} {:>9}  {:>7}  {:>6}  {:>7}\n", "bench", "engine", "version", "step", "speed",
                "maximum", "mean", "terrain", "mm/s", "escaped");
+    std::fflush(out);
 }
 
 void print(std::FILE* out, const Bench& bench, const std::vector<Contender>& contenders, int steps) {
