@@ -21,9 +21,9 @@ Status check_display() {
         return Error{ErrorCode::Io, std::string("no X server answers at DISPLAY=") + name, "DISPLAY"};
     }
     // Xvfb starts over when its last client leaves, and for a moment answers nobody: VTK, which connects next, would abort. So
-    // the first connection to each server stays for as long as the process does.
+    // the first connection to each server stays for as long as the process does, and so does the map that knows them.
     static std::mutex mutex;
-    static std::map<std::string, Display*> kept;
+    static auto& kept = *new std::map<std::string, Display*>();
     const std::scoped_lock lock(mutex);
     if (!kept.emplace(name, display).second) XCloseDisplay(display);
     return {};
