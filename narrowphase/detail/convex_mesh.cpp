@@ -83,7 +83,7 @@ dvec3 point_on_triangle(const Polytope& triangle, const ContactAxis& axis) noexc
 // The contact of one triangle. Its own normal is always allowed, on the side on which the shape's centre lies; another one only
 // where the surface is locally highest along it. Otherwise the triangle's normal takes its place, over the triangle alone.
 template <class Probe>
-bool touch_triangle(const Probe& probe, const MeshSurface& surface, double margin, Workspace& workspace, Patch& patch) {
+bool touch_triangle(const Probe& probe, const MeshSurface& surface, double margin, Workspace& workspace, TrianglePatch& contact) {
     const Polytope& triangle = workspace.second;
     const bool above = glm::dot(triangle.planes[0].normal, probe.centre) >= triangle.planes[0].offset;
     const Polytope::Face& face = triangle.planes[above ? 0 : 1];
@@ -92,17 +92,19 @@ bool touch_triangle(const Probe& probe, const MeshSurface& surface, double margi
     if (!probe.axis(triangle, margin, workspace, axis)) return false;
 
     const bool apart = axis.separation > kTouching * probe.size();
-    AxisPoint point = AxisPoint::Keep;
     const bool is_face = axis.kind == AxisKind::FaceOfB || -glm::dot(axis.normal, face.normal) > kFaceCosine;
     const bool is_other_face = axis.kind == AxisKind::FaceOfB && glm::dot(axis.normal, face.normal) > 0.0;
     if (is_other_face || (!is_face && !surface.allows(point_on_triangle(triangle, axis), -axis.normal, kPointTolerance * probe.size()))) {
+        // The far side of a ridge that the shape reaches across would push it through the surface: the near side speaks for both.
+        if (above != surface.is_in_front(probe.centre)) return false;
         axis = {AxisKind::FaceOfB, -face.normal, height, {}, {}, 0, above ? 0u : 1u};
-        point = AxisPoint::Leave;
+        contact.replaced = true;
     }
-    probe.patch(triangle, axis, margin, point, workspace, patch);
+    Patch& patch = contact.patch;
+    probe.patch(triangle, axis, margin, contact.replaced ? AxisPoint::Leave : AxisPoint::Keep, workspace, patch);
     // A shape that does not reach the triangle lies on one side of it, all over it. Where that is not the side of the centre, the
     // heights are those of its far side and mean nothing.
-    if (apart && point == AxisPoint::Leave && patch.count > 0 && patch.points[0].separation < -probe.radius()) return false;
+    if (apart && contact.replaced && patch.count > 0 && patch.points[0].separation < -probe.radius()) return false;
     return patch.count > 0;
 }
 
@@ -125,8 +127,9 @@ void touch_mesh(const PairFrame& pair, const Probe& probe, const Aabb& bounds, d
         }
         TrianglePatch contact;
         contact.triangle = t.index;
-        if (touch_triangle(probe, surface, pair.margin, workspace, contact.patch)) surface.patches.push_back(contact);
+        if (touch_triangle(probe, surface, pair.margin, workspace, contact)) surface.patches.push_back(contact);
     }
+    surface.drop_runaways();
     surface.emit(same_normal, kPointTolerance * probe.size(), sink);
 }
 

@@ -8,6 +8,8 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace carom::detail {
 namespace {
@@ -50,6 +52,30 @@ bool MeshSurface::allows(const dvec3& p, const dvec3& outward, double tolerance)
         }
     }
     return true;
+}
+
+bool MeshSurface::is_in_front(const dvec3& p) const noexcept {
+    double nearest = std::numeric_limits<double>::infinity(), height = 0.0;
+    for (const NearTriangle& t : triangles) {
+        const dvec3 gap = p - closest_on_triangle(t.corners, p).point;
+        const double distance = std::sqrt(glm::dot(gap, gap));
+        if (distance > nearest * (1.0 + kPointTolerance)) continue;
+        const dvec3 n = glm::cross(t.corners[1] - t.corners[0], t.corners[2] - t.corners[0]);
+        const double area = std::sqrt(glm::dot(n, n));
+        if (!(area > 0.0)) continue;
+        const double over = glm::dot(n, p - t.corners[0]) / area;
+        if (distance < nearest * (1.0 - kPointTolerance) || std::abs(over) > std::abs(height)) height = over;
+        nearest = std::min(nearest, distance);
+    }
+    return height >= 0.0;
+}
+
+void MeshSurface::drop_runaways() noexcept {
+    double deepest = 0.0;
+    for (const TrianglePatch& p : patches) {
+        if (!p.replaced) deepest = std::min(deepest, depth_of(p.patch));
+    }
+    if (deepest < 0.0) std::erase_if(patches, [&](const TrianglePatch& p) { return p.replaced && depth_of(p.patch) < 2.0 * deepest; });
 }
 
 void MeshSurface::emit(double same_normal, double tolerance, ManifoldSink& sink) {

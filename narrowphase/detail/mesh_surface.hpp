@@ -25,6 +25,7 @@ struct NearTriangle {
 struct TrianglePatch {
     Patch patch;
     std::uint32_t triangle = 0;
+    bool replaced = false;  ///< the triangle's normal stands in for one that the surface does not allow
     bool used = false;
 };
 
@@ -40,6 +41,14 @@ public:
     /// it. On an edge between two triangles that lie in one plane only the plane's normal may; in a valley nothing but the faces'.
     /// Triangles are found by position, so cracks of up to `tolerance` [m] count as joined, and T-junctions need no adjacency.
     [[nodiscard]] bool allows(const dvec3& p, const dvec3& outward, double tolerance) const noexcept;
+
+    /// Whether `p` lies in front of the surface: in front of the triangle nearest to it, and where several are equally near (along an
+    /// edge, at a corner), of the one whose plane is farthest (Baerentzen, Aanaes 2005, sec. 3, on why one plane alone may lie).
+    [[nodiscard]] bool is_in_front(const dvec3& p) const noexcept;
+
+    /// Drops stand-ins that are more than twice as deep as all contacts whose normals the surface allows. On a flat stretch the deepest
+    /// contact is one of those; a stand-in beyond it reaches through a ridge, and its depth is that of another part of the shape.
+    void drop_runaways() noexcept;
 
     /// Merges the patches: the deepest leads, and takes in all whose normals lie within acos(`same_normal`) of its own; then the
     /// deepest of the rest. Each group becomes one manifold of at most four points, its separations along the leader's normal.
