@@ -69,18 +69,21 @@ void build_box_edge_patch(const PairFrame& pair, const BoxAxis& axis, Patch& pat
 
     const dvec3 normal_b = plane.normal * pair.rotation;  // in B's frame
     const int face_a = largest_component(plane.normal), face_b = largest_component(normal_b);
+    const Candidate crossing = edge_point(pair, axis, plane);
+    patch.normal = plane.normal;
+    if (!share_points(std::abs(plane.normal[face_a]), std::abs(normal_b[face_b]))) {
+        patch.add(crossing.position, crossing.separation, crossing.feature);
+        return;
+    }
     const BoxFace first(half_a, dmat3{1.0}, dvec3{0.0}, face_a, sign_of(plane.normal[face_a]), plane);
     const BoxFace second(half_b, pair.rotation, pair.translation, face_b, -sign_of(normal_b[face_b]), plane);
-
     QuadCandidates points;
-    points.push_back(edge_point(pair, axis, plane));
-    if (share_points(std::abs(plane.normal[face_a]), std::abs(normal_b[face_b]))) {
-        std::array<double, 32> sides;
-        collect_face_contact<4>(first.polygon(), second.polygon(), plane, sides, points);
-    }
-    patch.normal = plane.normal;
+    points.push_back(crossing);
+    std::array<double, 32> sides;
+    collect_face_contact<4>(first.polygon(), second.polygon(), plane, sides, points);
     const double snap = kSnap * std::min(first.least_side(), second.least_side());
-    finish_patch<4>({points.items.data(), points.count}, first.polygon(), second.polygon(), {kPointTolerance * size, snap, outline_start(plane.normal, plane.axis_u, plane.axis_w)}, patch);
+    finish_patch<4>({points.items.data(), points.count}, first.polygon(), second.polygon(),
+                    {kPointTolerance * size, snap, outline_start(plane.normal, plane.axis_u, plane.axis_w)}, patch);
 }
 
 }  // namespace carom::detail

@@ -83,7 +83,7 @@ dvec3 point_on_triangle(const Polytope& triangle, const ContactAxis& axis) noexc
 // The contact of one triangle. Its own normal is always allowed, on the side on which the shape's centre lies; another one only
 // where the surface is locally highest along it. Otherwise the triangle's normal takes its place, over the triangle alone.
 template <class Probe>
-bool touch_triangle(const Probe& probe, const MeshSurface& surface, double margin, Workspace& workspace, TrianglePatch& contact) {
+bool touch_triangle(const Probe& probe, MeshSurface& surface, double margin, Workspace& workspace, TrianglePatch& contact) {
     const Polytope& triangle = workspace.second;
     const bool above = glm::dot(triangle.planes[0].normal, probe.centre) >= triangle.planes[0].offset;
     const Polytope::Face& face = triangle.planes[above ? 0 : 1];

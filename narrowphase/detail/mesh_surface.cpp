@@ -26,6 +26,7 @@ void MeshSurface::gather(const PairFrame& pair, const Aabb& bounds) {
     const TriangleMesh& mesh = *as<TriangleMeshPtr>(pair.second);
     triangles.clear();
     patches.clear();
+    in_front_.reset();
     mesh.overlap(bounds, [&](std::uint32_t index) {
         NearTriangle& t = triangles.emplace_back();
         const std::array<vec3, 3> corners = mesh.corners(index);
@@ -54,7 +55,13 @@ bool MeshSurface::allows(const dvec3& p, const dvec3& outward, double tolerance)
     return true;
 }
 
-bool MeshSurface::is_in_front(const dvec3& p) const noexcept {
+bool MeshSurface::is_in_front(const dvec3& p) noexcept {
+    if (!in_front_) in_front_ = height_of(p) >= 0.0;
+    return *in_front_;
+}
+
+// Signed distance to the plane of the triangle that decides.
+double MeshSurface::height_of(const dvec3& p) const noexcept {
     double nearest = std::numeric_limits<double>::infinity(), height = 0.0;
     for (const NearTriangle& t : triangles) {
         const dvec3 gap = p - closest_on_triangle(t.corners, p).point;
@@ -67,7 +74,7 @@ bool MeshSurface::is_in_front(const dvec3& p) const noexcept {
         if (distance < nearest * (1.0 - kPointTolerance) || std::abs(over) > std::abs(height)) height = over;
         nearest = std::min(nearest, distance);
     }
-    return height >= 0.0;
+    return height;
 }
 
 void MeshSurface::drop_runaways() noexcept {

@@ -10,6 +10,7 @@
 #include <carom/narrowphase/detail/reduce.hpp>
 #include <carom/narrowphase/detail/triangle.hpp>
 
+#include <optional>
 #include <vector>
 
 namespace carom::detail {
@@ -44,7 +45,8 @@ public:
 
     /// Whether `p` lies in front of the surface: in front of the triangle nearest to it, and where several are equally near (along an
     /// edge, at a corner), of the one whose plane is farthest (Baerentzen, Aanaes 2005, sec. 3, on why one plane alone may lie).
-    [[nodiscard]] bool is_in_front(const dvec3& p) const noexcept;
+    /// Found once after each gather(): ask for one and the same point.
+    [[nodiscard]] bool is_in_front(const dvec3& p) noexcept;
 
     /// Drops stand-ins that are more than twice as deep as all contacts whose normals the surface allows. On a flat stretch the deepest
     /// contact is one of those; a stand-in beyond it reaches through a ridge, and its depth is that of another part of the shape.
@@ -55,7 +57,10 @@ public:
     void emit(double same_normal, double tolerance, ManifoldSink& sink);
 
 private:
+    [[nodiscard]] double height_of(const dvec3& p) const noexcept;
+
     std::vector<Candidate> candidates_;
+    std::optional<bool> in_front_;
 };
 
 }  // namespace carom::detail
