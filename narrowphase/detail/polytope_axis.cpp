@@ -5,6 +5,7 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -14,28 +15,65 @@ namespace {
 struct FaceSeparation {
     double separation = -std::numeric_limits<double>::infinity();
     std::uint32_t face = 0;
+    dvec3 deepest{0.0};  // the vertex of the other polytope farthest below the face; without such a face, any point of it
 };
 
-// The plane among `planes` that separates best, if any does better than `floor`. `point` lies in `other`, and bounds each from above.
+double height_over(const Polytope::Face& plane, const dvec3& p) noexcept { return glm::dot(plane.normal, p) - plane.offset; }
+
+// Raises `best` to what plane `f` achieves against the vertices of the other polytope, if that is better.
+// @return the vertex that lies lowest over the plane.
+const dvec3& try_plane(std::span<const Polytope::Face> planes, std::uint32_t f, const Polytope& other, FaceSeparation& best) noexcept {
+    const dvec3& n = planes[f].normal;
+    const dvec3* lowest = &other.vertices[0];
+    double least = glm::dot(n, *lowest);
+    for (const dvec3& v : other.vertices) {
+        const double h = glm::dot(n, v);
+        if (h < least) {
+            least = h;
+            lowest = &v;
+        }
+    }
+    if (least - planes[f].offset > best.separation) best = {least - planes[f].offset, f, *lowest};
+    return *lowest;
+}
+
+// The plane among `planes` that separates best, if any does better than `floor`. Any point of `other` bounds each plane from above:
+// `point` does, and the vertex that the plane before met. The most promising plane comes first.
 FaceSeparation best_plane(std::span<const Polytope::Face> planes, const Polytope& other, const dvec3& point, double floor) noexcept {
     FaceSeparation best;
     best.separation = floor;
+    best.deepest = point;
+    std::uint32_t first = 0;
+    double promise = -std::numeric_limits<double>::infinity();
     for (std::uint32_t f = 0; f < planes.size(); ++f) {
-        const Polytope::Face& face = planes[f];
-        if (glm::dot(face.normal, point) - face.offset <= best.separation) continue;
-        double least = std::numeric_limits<double>::infinity();
-        for (const dvec3& v : other.vertices) least = std::min(least, glm::dot(face.normal, v));
-        if (least - face.offset > best.separation) best = {least - face.offset, f};
+        const double bound = height_over(planes[f], point);
+        if (bound > promise) {
+            promise = bound;
+            first = f;
+        }
     }
+    if (!(promise > floor)) return best;
+    dvec3 last = try_plane(planes, first, other, best);
+    for (std::uint32_t f = 0; f < planes.size(); ++f) {
+        if (f == first || height_over(planes[f], last) <= best.separation || height_over(planes[f], point) <= best.separation) continue;
+        last = try_plane(planes, f, other, best);
+    }
+    if (best.separation == floor) best.deepest = last;
     return best;
 }
 
-// The edges of `of` between whose faces a normal may separate better than `floor`; `point` lies in the other polytope.
-void edges_that_may_win(const Polytope& of, const dvec3& point, double floor, std::vector<Polytope::Edge>& out) {
+// The edges of `of` between whose faces a normal may separate better than `floor`. `points` lie in the other polytope; one of them
+// that both faces of an edge have below `floor` rules the edge out.
+void edges_that_may_win(const Polytope& of, const std::array<dvec3, 2>& points, double floor, std::vector<unsigned char>& above,
+                        std::vector<Polytope::Edge>& out) {
+    above.resize(of.planes.size());  // of each plane: bit i where point i is over `floor`
+    for (std::size_t f = 0; f < of.planes.size(); ++f) {
+        const bool a = height_over(of.planes[f], points[0]) > floor, b = height_over(of.planes[f], points[1]) > floor;
+        above[f] = static_cast<unsigned char>((a ? 1 : 0) | (b ? 2 : 0));
+    }
     out.clear();
-    const auto may_win = [&](std::uint32_t plane) { return glm::dot(of.planes[plane].normal, point) - of.planes[plane].offset > floor; };
     for (std::uint32_t k = 0; k < of.edge_count(); ++k) {
-        if (may_win(of.half_edges[2 * k].face) || may_win(of.half_edges[2 * k + 1].face)) out.push_back(of.edge(k));
+        if ((above[of.half_edges[2 * k].face] | above[of.half_edges[2 * k + 1].face]) == 3) out.push_back(of.edge(k));
     }
 }
 
@@ -87,8 +125,8 @@ ContactAxis greatest_separation(const Polytope& a, const Polytope& b, const dvec
     }
     // Below zero the bound holds for every normal of an arc; above, the arc of a sharp edge may do better than both its ends.
     const double floor = std::min(0.0, axis.separation);
-    edges_that_may_win(a, point_of_b, floor, lists.of_a);
-    edges_that_may_win(b, point_of_a, floor, lists.of_b);
+    edges_that_may_win(a, {point_of_b, of_a.deepest}, floor, lists.above, lists.of_a);
+    edges_that_may_win(b, {point_of_a, of_b.deepest}, floor, lists.above, lists.of_b);
     const EdgePair edges = best_edges(lists);
     const double needed = axis.separation + kFacePreference * std::max(a.size, b.size);
     const FaceSeparation side = best_plane(b.sides(), a, point_of_a, std::max(needed, edges.separation));

@@ -24,16 +24,18 @@ struct ContactAxis {
     std::uint32_t feature_b = 0;
 };
 
-/// Lists of edges that may decide, kept to save allocations.
+/// Lists of edges that may decide, and what tells them apart, kept to save allocations.
 struct EdgeLists {
     std::vector<Polytope::Edge> of_a, of_b;
+    std::vector<unsigned char> above;
 };
 
 /// The greatest separation over the faces of both polytopes and the pairs of their edges whose arcs on the Gauss map cross (Gregorius,
 /// The Separating Axis Test between Convex Polyhedra, GDC 2013); where they overlap, the least depth.
 ///
 /// What cannot win is left out: no normal between those of two faces separates a from a point of b by more than the better of the
-/// two does, so an edge both of whose faces stay below the best face for one point of b is not looked at. A face wins over edges within
+/// two does, so an edge both of whose faces stay below the best face for one point of b is not looked at. The points are the given ones and
+/// the vertices deepest under the best faces. A face wins over edges within
 /// kFacePreference of the size.
 /// @param point_of_a, point_of_b  any points of the two; the nearer to the contact, the more is left out.
 /// Accuracy: 1e-6 of the larger size. Cost: O(F_a V_b + F_b V_a + E_a E_b) at worst.
