@@ -122,10 +122,10 @@ std::string summary(const RunRecord& record) {
                        record.momentum_drift->angular);
     }
     fmt::format_to(out, "escaped       {}", record.escaped ? fmt::to_string(*record.escaped) : "- (the scene has no limits)");
-    fmt::format_to(out, "{}{}{}{}{}{}\n", count("tunnelled", static_cast<std::size_t>(record.tunnelled.value_or(0))),
-                   count("not finite", record.non_finite), count("quarantined", record.quarantined),
-                   count("pairs undecided", record.undecided), count("manifolds beyond the last colour", record.overflow),
-                   count("points with limited push", record.deep));
+    fmt::format_to(out, "{}{}{}{}\n", count("not finite", record.non_finite), count("quarantined", record.quarantined),
+                   count("pairs undecided", record.undecided), count("manifolds beyond the last colour", record.overflow));
+    if (record.tunnelled) fmt::format_to(out, "tunnelled     {} of {}\n", *record.tunnelled, record.bodies);
+    fmt::format_to(out, "deep          {} points whose push-out was limited, over all steps\n", record.deep);
     if (record.max_speed) {
         fmt::format_to(out, "speed         max {:.3g} m/s, mean {:.3g} m/s\n", *record.max_speed, *record.mean_speed);
     }

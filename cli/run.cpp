@@ -1,5 +1,5 @@
 // carom run SCENE|FILE.json: runs a scene from end to end and says how long it took and how wrong it is.
-#include <carom/cli/output_file.hpp>
+#include <carom/core/output_file.hpp>
 #include <carom/cli/progress.hpp>
 #include <carom/cli/recorder.hpp>
 #include <carom/cli/report.hpp>

@@ -2,6 +2,8 @@
 find_package(glm REQUIRED)
 find_package(Eigen3 REQUIRED NO_MODULE)
 find_package(hwy REQUIRED CONFIG)
+find_path(CAROM_XXHASH_INCLUDE_DIR xxhash.h REQUIRED DOC "Folder of xxhash.h (Debian: libxxhash-dev)")
+mark_as_advanced(CAROM_XXHASH_INCLUDE_DIR)
 if(CAROM_TBB)
   find_package(TBB REQUIRED)
 endif()

@@ -21,7 +21,7 @@ using dynamics::Role;
 namespace {
 
 constexpr double kUnitTolerance = 1e-3;
-constexpr double kFarthest = 1e30;  // [m], for a centre of mass in its body
+constexpr double kFarthest = 1e30;  // [m], of anything in its body: the float boxes of the broadphase hold it
 
 /// Masses and moments that floats hold, with headroom for products and reciprocals.
 constexpr double kLeastMass = 1e-30;
@@ -130,6 +130,8 @@ ShapeId World::add_shape(BodyId body, Shape shape, const ShapeDef& def) {
     CAROM_REQUIRE(shape_status.ok(), shape_status.error().code, shape_status.error().message, {});
     const char* fault = fault_of(def);
     CAROM_REQUIRE(fault == nullptr, ErrorCode::InvalidArgument, fault, {});
+    CAROM_REQUIRE(!is_bounded(shape) || reach_of(shape, def.local) <= kFarthest, ErrorCode::InvalidArgument,
+                  "the shape reaches farther than 1e30 m from its body", {});
     if (record->type == BodyType::Dynamic) {
         const ShapeType type = type_of(shape);
         CAROM_REQUIRE(type != ShapeType::Plane && type != ShapeType::TriangleMesh, ErrorCode::WrongType,

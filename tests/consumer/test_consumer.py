@@ -95,6 +95,8 @@ class Consumer(unittest.TestCase):
 
         targets = self.run_program("ninja", "-C", build, "-t", "targets", "all").stdout
         self.assertNotRegex(targets, r"(?m)\b(test|link|example)_\w+\.dir|^carom: |\bGTest|\bscenes\b|viz_vtk")
+        self.run_program("cmake", "--install", build, "--prefix", self.folder / "included_prefix")
+        self.assertFalse((self.folder / "included_prefix").exists(), "a project that includes us installs nothing of ours")
         self.assertIn("No tests were found", self.run_program("ctest", "--test-dir", build, "-N").stdout
                       + self.run_program("ctest", "--test-dir", build).stderr)
 

@@ -78,6 +78,9 @@ TEST(World, RefusesBadShapes) {
     expect_refused(world, ErrorCode::InvalidArgument, [&] { world.add_shape(body, Sphere{2.0f}, {.density = 1e300}); });
     expect_refused(world, ErrorCode::InvalidArgument, [&] { world.set_mass_properties(body, {1.0, {}, dmat3{1e-40}}); });
     expect_refused(world, ErrorCode::InvalidArgument, [&] { world.set_mass_properties(body, {1.0, {1e300, 0, 0}, dmat3{1}}); });
+    const BodyId fixed = world.create_body({.type = BodyType::Static});
+    expect_refused(world, ErrorCode::InvalidArgument, [&] { world.add_shape(fixed, Sphere{3e38f}); });
+    expect_refused(world, ErrorCode::InvalidArgument, [&] { world.add_shape(fixed, Sphere{}, {.local = {{1e39, 0, 0}}}); });
     ASSERT_TRUE(world.add_shape(body, Sphere{1.0f}));
     expect_refused(world, ErrorCode::InvalidArgument,
                    [&] { world.add_shape(body, Sphere{1.0f}, {.local = {{1e100, 0, 0}}}); });

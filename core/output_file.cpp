@@ -1,4 +1,4 @@
-#include <carom/cli/output_file.hpp>
+#include <carom/core/output_file.hpp>
 
 #include <cerrno>
 #include <cstdio>
@@ -6,7 +6,7 @@
 #include <filesystem>
 #include <system_error>
 
-namespace carom::cli {
+namespace carom {
 namespace {
 
 Error not_written(const std::string& path) {
@@ -38,4 +38,4 @@ Status write_text(const std::string& path, const std::string& text) {
     return status;
 }
 
-}  // namespace carom::cli
+}  // namespace carom

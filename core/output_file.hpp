@@ -8,7 +8,7 @@
 
 #include <string>
 
-namespace carom::cli {
+namespace carom {
 
 /// Opens the file for writing without changing it; one that did not exist does not exist afterwards.
 /// @return Io with the path and the system's reason. "-" is always writable.
@@ -17,4 +17,4 @@ namespace carom::cli {
 /// Replaces the file by `text`, or prints it. @return Io with the path and the system's reason.
 [[nodiscard]] Status write_text(const std::string& path, const std::string& text);
 
-}  // namespace carom::cli
+}  // namespace carom
