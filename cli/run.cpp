@@ -1,10 +1,11 @@
 // carom run SCENE|FILE.json: runs a scene from end to end and says how long it took and how wrong it is.
-#include <carom/core/output_file.hpp>
 #include <carom/cli/progress.hpp>
 #include <carom/cli/recorder.hpp>
 #include <carom/cli/report.hpp>
 #include <carom/cli/scene_arguments.hpp>
 #include <carom/cli/simulate.hpp>
+
+#include <carom/core/output_file.hpp>
 
 #include <fmt/format.h>
 
