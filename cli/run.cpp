@@ -38,6 +38,16 @@ ExitCode judge(const RunRecord& record) {
     return code;
 }
 
+// What the run wrote, a line each, for the end of the summary.
+std::string files_written(const RunOptions& options) {
+    std::string text;
+    const auto add = [&text](const std::string& path) { text += (text.empty() ? "files         " : "              ") + path + "\n"; };
+    if (options.json) add(*options.json);
+    if (!options.recorder.picture.empty()) add(options.recorder.picture);
+    if (!options.recorder.vtk.empty()) add(options.recorder.vtk + "/frames.pvd");
+    return text;
+}
+
 ExitCode run(const RunOptions& options) {
     Result<LoadedScene> loaded = options.scene.load();
     if (!loaded) return fail(ExitCode::BadInput, loaded.error());
@@ -70,7 +80,7 @@ ExitCode run(const RunOptions& options) {
         }
     }
     if (options.json != "-") {
-        if (Status status = write_text("-", summary(*record)); !status) return fail(ExitCode::Failed, status.error());
+        if (Status status = write_text("-", summary(*record) + files_written(options)); !status) return fail(ExitCode::Failed, status.error());
     }
     return judge(*record);
 }

@@ -4,22 +4,7 @@
 #include <carom/broadphase/broadphase.hpp>
 
 #include <gtest/gtest.h>
-
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
-namespace {
-std::atomic<long> g_allocations{0};
-}
-
-[[gnu::noinline]] void* operator new(std::size_t size) {
-    ++g_allocations;
-    if (void* memory = std::malloc(size)) return memory;
-    throw std::bad_alloc();
-}
-[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+#include <support/count_allocations.hpp>
 
 namespace carom {
 namespace {
@@ -42,13 +27,13 @@ TEST(Allocation, StopsOnceWarm) {
             jiggle();
             broadphase->update(boxes, filters, executor);
         }
-        const long before = g_allocations.load();
+        const long before = test::allocations();
         std::size_t pairs = 0;
         for (int frame = 0; frame < 20; ++frame) {
             jiggle();
             pairs += broadphase->update(boxes, filters, executor).size();
         }
-        EXPECT_EQ(g_allocations.load(), before) << to_string(method);
+        EXPECT_EQ(test::allocations(), before) << to_string(method);
         EXPECT_GT(pairs, 0u);
     }
 }

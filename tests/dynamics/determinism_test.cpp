@@ -2,41 +2,16 @@
 // allocation once warm.
 #include <carom/dynamics/world.hpp>
 
+#include <carom/core/math.hpp>
 #include <carom/core/random.hpp>
 #include <carom/core/simd_width.hpp>
-#include <carom/core/math.hpp>
 
 #include <gtest/gtest.h>
+#include <support/count_allocations.hpp>
 
 #include <atomic>
-#include <cstdlib>
-#include <new>
 #include <thread>
 #include <vector>
-
-namespace {
-std::atomic<std::size_t> g_allocations{0};
-}
-void* operator new(std::size_t size) {
-    ++g_allocations;
-    if (void* p = std::malloc(size)) return p;
-    throw std::bad_alloc();
-}
-void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-    ++g_allocations;
-    return std::malloc(size);
-}
-void* operator new(std::size_t size, std::align_val_t alignment) {
-    ++g_allocations;
-    const auto a = static_cast<std::size_t>(alignment);
-    if (void* p = std::aligned_alloc(a, (size + a - 1) / a * a)) return p;
-    throw std::bad_alloc();
-}
-void operator delete(void* p) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t) noexcept { std::free(p); }
-void operator delete(void* p, const std::nothrow_t&) noexcept { std::free(p); }
-void operator delete(void* p, std::align_val_t) noexcept { std::free(p); }
-void operator delete(void* p, std::size_t, std::align_val_t) noexcept { std::free(p); }
 
 namespace carom {
 namespace {
@@ -160,10 +135,10 @@ TEST(Step, AllocatesNothingOnceWarm) {
         world.add_shape(body, Box{{0.5f, 0.5f, 0.5f}});
     }
     for (int i = 0; i < 200; ++i) world.step(1.0 / 60.0);
-    const std::size_t before = g_allocations;
+    const long before = test::allocations();
     std::size_t contacts = 0;
     for (int i = 0; i < 60; ++i) contacts += world.step(1.0 / 60.0).contacts;
-    EXPECT_EQ(g_allocations - before, 0u);
+    EXPECT_EQ(test::allocations() - before, 0);
     EXPECT_GT(contacts, 60u * 200u) << "the steps had work to do";
 }
 

@@ -5,29 +5,7 @@
 #include <carom/core/executor.hpp>
 
 #include <gtest/gtest.h>
-
-#include <atomic>
-#include <cstdlib>
-#include <new>
-
-namespace {
-std::atomic<long> g_allocations{0};
-}
-
-// Not inlined: GCC 12 under sanitizers otherwise takes malloc() and delete, or new and free(), for pairs that do not match.
-[[gnu::noinline]] void* operator new(std::size_t size) {
-    ++g_allocations;
-    if (void* memory = std::malloc(size > 0 ? size : 1)) return memory;
-    throw std::bad_alloc{};
-}
-// std::stable_sort asks for its buffer this way.
-[[gnu::noinline]] void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-    ++g_allocations;
-    return std::malloc(size);
-}
-[[gnu::noinline]] void operator delete(void* memory, const std::nothrow_t&) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+#include <support/count_allocations.hpp>
 
 namespace carom {
 namespace {
@@ -54,9 +32,9 @@ TEST(Allocation, NoneOnceWarm) {
     std::vector<Manifold> out;
     collide(pairs, executor, scratch, out);
     const std::size_t count = out.size();
-    const long before = g_allocations;
+    const long before = allocations();
     collide(pairs, executor, scratch, out);
-    EXPECT_EQ(g_allocations - before, 0);
+    EXPECT_EQ(allocations() - before, 0);
     EXPECT_EQ(out.size(), count);
     EXPECT_GT(count, pairs.size() / 2);
 }
