@@ -10,7 +10,13 @@ CollideStatus collide(const ShapePair& pair, std::uint32_t index, std::vector<Ma
     const detail::PairFault fault = detail::fault_of(pair);
     CAROM_REQUIRE(fault.what == nullptr, fault.code, fault.what, CollideStatus::Ok);
     const detail::KernelEntry& entry = detail::kernel_for(type_of(*pair.a), type_of(*pair.b));
-    return detail::run_pair(pair, entry, index, detail::thread_workspace(), out);
+    detail::Workspace& workspace = detail::thread_workspace();
+    if (entry.wide == nullptr) return detail::run_pair(pair, entry, index, workspace, out);
+    const std::uint32_t only = 0;
+    const std::size_t before = out.size();
+    entry.wide({&pair, 1}, {&only, 1}, workspace, out);
+    for (std::size_t i = before; i < out.size(); ++i) out[i].pair = index;
+    return CollideStatus::Ok;
 }
 
 }  // namespace carom

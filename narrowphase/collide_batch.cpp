@@ -70,13 +70,35 @@ struct CollideBatch {
         chunk.undecided = 0;
         detail::Workspace& workspace = detail::thread_workspace();
         const std::size_t end = std::min(pairs.size(), (index + 1) * kChunk);
-        for (std::size_t k = index * kChunk; k < end; ++k) {
-            const std::uint32_t i = data.order[k];
-            const detail::KernelEntry& entry = detail::kernel_for(type_of(*pairs[i].a), type_of(*pairs[i].b));
-            const auto first = static_cast<std::uint32_t>(chunk.manifolds.size());
+        for (std::size_t k = index * kChunk; k < end;) {
+            const std::size_t kind = kind_of(pairs[data.order[k]]);
+            std::size_t last = k + 1;
+            while (last < end && kind_of(pairs[data.order[last]]) == kind) ++last;
+            run_kind({data.order.data() + k, last - k}, static_cast<std::uint32_t>(index), workspace);
+            k = last;
+        }
+    }
+
+    // Pairs of one kind, which are neighbours in the order.
+    void run_kind(std::span<const std::uint32_t> chosen, std::uint32_t index, detail::Workspace& workspace) {
+        Chunk& chunk = data.chunks[index];
+        const ShapePair& example = pairs[chosen.front()];
+        const detail::KernelEntry& entry = detail::kernel_for(type_of(*example.a), type_of(*example.b));
+        auto first = static_cast<std::uint32_t>(chunk.manifolds.size());
+        if (entry.wide != nullptr) {
+            entry.wide(pairs, chosen, workspace, chunk.manifolds);
+            for (const std::uint32_t i : chosen) {
+                const std::uint32_t count = first < chunk.manifolds.size() && chunk.manifolds[first].pair == i ? 1u : 0u;
+                data.places[i] = {index, first, count};
+                first += count;
+            }
+            return;
+        }
+        for (const std::uint32_t i : chosen) {
             const CollideStatus status = detail::run_pair(pairs[i], entry, i, workspace, chunk.manifolds);
-            const auto count = static_cast<std::uint32_t>(chunk.manifolds.size()) - first;
-            data.places[i] = {static_cast<std::uint32_t>(index), first, count};
+            const auto end = static_cast<std::uint32_t>(chunk.manifolds.size());
+            data.places[i] = {index, first, end - first};
+            first = end;
             if (status != CollideStatus::Ok) ++chunk.undecided;
         }
     }

@@ -22,7 +22,7 @@ struct PairFault {
     if (finite_residue(pair.pose_a) + finite_residue(pair.pose_b) != 0.0) return {"collide: a pose is not finite", ErrorCode::NotFinite};
     if (!is_finite(pair.margin)) return {"collide: the margin is not finite", ErrorCode::NotFinite};
     if (pair.margin < 0.0f) return {"collide: the margin is negative"};
-    if (kernel_for(type_of(*pair.a), type_of(*pair.b)).function == nullptr) {
+    if (!kernel_for(type_of(*pair.a), type_of(*pair.b)).exists()) {
         return {"collide: two unbounded or mesh shapes have no contact", ErrorCode::WrongType};
     }
     return {};

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace carom::detail {
@@ -64,16 +65,24 @@ struct Workspace;  // detail/workspace.hpp
 
 using Kernel = CollideStatus (*)(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 
-/// The kernel of a pair of types, and whether it takes the second type first. `function` is null where there is none.
+/// Many pairs of one kind at once: pairs `chosen` of `all`, at most one manifold for each, in their order.
+using WideKernel = void (*)(std::span<const ShapePair> all, std::span<const std::uint32_t> chosen, Workspace& workspace,
+                            std::vector<Manifold>& out);
+
+/// The kernel of a pair of types: for one pair at a time, which may take the second type first, or for many. Both are null where there
+/// is none.
 struct KernelEntry {
     Kernel function = nullptr;
+    WideKernel wide = nullptr;
     bool swapped = false;
+
+    [[nodiscard]] constexpr bool exists() const noexcept { return function != nullptr || wide != nullptr; }
 };
 
 /// @return the table's entry for the types of A and B. detail/kernel_table.cpp names them all.
 [[nodiscard]] const KernelEntry& kernel_for(ShapeType a, ShapeType b) noexcept;
 
-/// Runs one pair that has been checked.
+/// Runs one pair that has been checked, by a kernel for one at a time.
 CollideStatus run_pair(const ShapePair& pair, const KernelEntry& entry, std::uint32_t index, Workspace& workspace,
                        std::vector<Manifold>& out);
 

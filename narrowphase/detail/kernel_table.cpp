@@ -8,7 +8,8 @@ namespace {
 struct Row {
     ShapeType first;
     ShapeType second;
-    Kernel kernel;
+    Kernel kernel = nullptr;
+    WideKernel wide = nullptr;
 };
 
 constexpr Row kRows[] = {
@@ -16,7 +17,7 @@ constexpr Row kRows[] = {
     {ShapeType::Sphere, ShapeType::Box, sphere_box},
     {ShapeType::Sphere, ShapeType::Capsule, sphere_capsule},
     {ShapeType::Sphere, ShapeType::Plane, sphere_plane},
-    {ShapeType::Box, ShapeType::Box, box_box},
+    {ShapeType::Box, ShapeType::Box, nullptr, box_box},
     {ShapeType::Box, ShapeType::Plane, box_plane},
     {ShapeType::Capsule, ShapeType::Capsule, capsule_capsule},
     {ShapeType::Capsule, ShapeType::Plane, capsule_plane},
@@ -41,8 +42,8 @@ constexpr Table make_table() {
     for (const Row& row : kRows) {
         const auto a = static_cast<std::size_t>(row.first);
         const auto b = static_cast<std::size_t>(row.second);
-        table.entries[b][a] = {row.kernel, true};
-        table.entries[a][b] = {row.kernel, false};
+        table.entries[b][a] = {row.kernel, row.wide, true};
+        table.entries[a][b] = {row.kernel, row.wide, false};
     }
     return table;
 }
@@ -57,6 +58,6 @@ const KernelEntry& kernel_for(ShapeType a, ShapeType b) noexcept {
 
 }  // namespace detail
 
-bool can_collide(ShapeType a, ShapeType b) noexcept { return detail::kernel_for(a, b).function != nullptr; }
+bool can_collide(ShapeType a, ShapeType b) noexcept { return detail::kernel_for(a, b).exists(); }
 
 }  // namespace carom

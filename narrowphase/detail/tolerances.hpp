@@ -12,6 +12,19 @@ inline constexpr double kParallelSine = 1e-7;
 /// rounding never turns a face contact into an edge contact.
 inline constexpr double kFacePreference = 1e-6;
 
+/// What rounding may do to a separation that is computed in floats, as a share of the larger box's largest half extent: some ten
+/// roundings of 6e-8 each, of terms that add up to a few half extents.
+inline constexpr float kWideRounding = 1e-6f;
+
+/// The same as kFacePreference for separations in floats, of the half extent: twice their rounding.
+inline constexpr float kWidePreference = 2e-6f;
+
+/// Points outside a square of half side 1 by this much count as inside, where both were computed in floats.
+inline constexpr float kWideInside = 1e-6f;
+
+/// The same as kPointTolerance in floats, of the half extent.
+inline constexpr float kWidePointTolerance = 4e-6f;
+
 /// Points outside a polygon by this share of the size count as inside, so that no corner is lost between two half-open tests.
 inline constexpr double kInsideTolerance = 1e-9;
 

@@ -1,6 +1,9 @@
 // Box against box: depth and axis against brute force, resting contacts, names that survive motion.
 #include "oracle.hpp"
 
+#include <carom/core/executor.hpp>
+#include <carom/core/simd_width.hpp>
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -68,6 +71,101 @@ TEST(BoxBox, RestingFaceHasItsFourCorners) {
         names.insert(p.feature);
     }
     EXPECT_EQ(names.size(), 4u);
+}
+
+// A crate on the middle of a very large box: what counts is the crate's size.
+TEST(BoxBox, AHugeBoxIsAsPreciseAsASmallOne) {
+    Random random(41);
+    for (const double half : {5.0, 50.0, 1e3, 1e5}) {
+        const Shape ground = Box{{static_cast<float>(half), static_cast<float>(half), static_cast<float>(half)}};
+        const Shape crate = Box{{0.5f, 0.25f, 0.375f}};
+        for (int i = 0; i < 200; ++i) {
+            const double depth = random.range(-0.01, 0.2);
+            const Pose local{{random.range(-0.7, 0.7) * half, half + 0.25 - depth, random.range(-0.7, 0.7) * half},
+                             about({0, 1, 0}, random.range(0.0, 6.0))};
+            const Pose turn{{0.0, 0.0, 0.0}, random_rotation(random)};
+            const Pose pa = turn, pb = turn * local;
+            for (const bool swapped : {false, true}) {
+                const std::vector<Manifold> m = swapped ? collide_all(crate, pb, ground, pa, 0.02f) : collide_all(ground, pa, crate, pb, 0.02f);
+                ASSERT_EQ(m.size(), 1u) << half << ' ' << i;
+                ASSERT_EQ(m[0].count, 4u) << half << ' ' << i;
+                // The pose itself is good to an ulp of its distance from the origin.
+                for (const ContactPoint& p : m[0].used()) EXPECT_NEAR(static_cast<double>(p.separation), -depth, 1e-6 + 1e-15 * half) << half;
+                const dvec3 up = rotate(turn.orientation, dvec3{0, 1, 0}) * (swapped ? -1.0 : 1.0);
+                EXPECT_GT(glm::dot(dvec3(m[0].normal), up), 1.0 - 1e-6);
+            }
+        }
+    }
+}
+
+TEST(BoxBox, DeepInsideAHugeBoxTheNearestSideDecides) {
+    const Shape rock = Box{{100.0f, 80.0f, 120.0f}};
+    const Shape crate = Box{{0.5f, 0.5f, 0.5f}};
+    for (const double below : {0.2, 1.0, 2.0, 3.0, 3.5, 4.0, 5.0, 30.0, 79.0}) {
+        const Pose pose{{3.0, 80.0 - below, -2.0}, kIdentityRotation};
+        const std::vector<Manifold> m = collide_all(rock, {}, crate, pose, 0.0f);
+        ASSERT_EQ(m.size(), 1u) << below;
+        EXPECT_NEAR(m[0].normal.y, 1.0f, 1e-6f) << below;
+        EXPECT_NEAR(static_cast<double>(least_separation(m[0])), -(below + 0.5), 1e-6 * 120.0) << below;
+    }
+}
+
+// Powers of two only move exponents: the same manifold at every size of which floats can hold the boxes.
+TEST(BoxBox, ScalingScalesTheAnswer) {
+    Random random(42);
+    for (int i = 0; i < 300; ++i) {
+        const Box a{random_half(random)}, b{random_half(random)};
+        const Pose local = random_pose(random, i % 4);
+        const std::vector<Manifold> one = collide_all(a, {}, b, local, 0.0625f);
+        for (const int exponent : {-100, -40, -21, 19, 60, 96}) {
+            const float s = std::ldexp(1.0f, exponent);
+            const Pose pose{local.position * static_cast<double>(s), local.orientation};
+            const std::vector<Manifold> scaled = collide_all(Box{a.half_extents * s}, {}, Box{b.half_extents * s}, pose, 0.0625f * s);
+            ASSERT_EQ(scaled.size(), one.size()) << i << ' ' << exponent;
+            if (one.empty()) continue;
+            ASSERT_EQ(scaled[0].count, one[0].count) << i << ' ' << exponent;
+            for (std::size_t k = 0; k < one[0].count; ++k) {
+                EXPECT_NEAR(scaled[0].points[k].separation / s, one[0].points[k].separation, 1e-6f) << i << ' ' << exponent;
+            }
+        }
+    }
+}
+
+// Lanes do not see one another: alone, in a crowd, at every width.
+TEST(BoxBox, ManyPairsAreManySinglePairs) {
+    Random random(43);
+    std::vector<Shape> shapes;
+    std::vector<ShapePair> pairs;
+    for (int i = 0; i < 400; ++i) {
+        shapes.emplace_back(Box{random_half(random)});
+        shapes.emplace_back(Box{random_half(random) * (i % 7 == 0 ? 40.0f : 1.0f)});
+    }
+    for (std::size_t i = 0; i < 400; ++i) {
+        const Pose at{random_direction(random) * 5.0, random_rotation(random)};
+        pairs.push_back({&shapes[2 * i], &shapes[2 * i + 1], at, at * random_pose(random, static_cast<int>(i) % 4), 0.05f});
+    }
+    std::vector<Manifold> single;
+    for (std::uint32_t i = 0; i < pairs.size(); ++i) collide(pairs[i], i, single);
+    ASSERT_GT(single.size(), 150u);
+    ASSERT_LT(single.size(), 399u);
+    const auto same = [](const Manifold& x, const Manifold& y) {
+        bool equal = x.pair == y.pair && x.count == y.count && x.normal == y.normal;
+        for (std::size_t k = 0; equal && k < x.count; ++k) {
+            equal = x.points[k].position == y.points[k].position && x.points[k].separation == y.points[k].separation &&
+                    x.points[k].feature == y.points[k].feature;
+        }
+        return equal;
+    };
+    SerialExecutor executor;
+    for (const int width : available_simd_widths()) {
+        set_simd_width(width);
+        CollideScratch scratch;
+        std::vector<Manifold> batch;
+        collide(pairs, executor, scratch, batch);
+        ASSERT_EQ(batch.size(), single.size()) << width;
+        for (std::size_t i = 0; i < batch.size(); ++i) EXPECT_TRUE(same(batch[i], single[i])) << width << ' ' << i;
+    }
+    set_simd_width(0);
 }
 
 }  // namespace

@@ -1,0 +1,74 @@
+// Many pairs of boxes at once: how sixteen of them lie side by side, and the kernels that work on them.
+//
+//   find_box_axes(pairs, axes);             // which axis separates most, or that they are apart
+//   build_box_patches(pairs, axes, patches);
+//
+// Everything is float, in the frame of the first box about its centre. A box that is much larger than the other was cut to the
+// neighbourhood of the other before it was rounded (box_box.cpp), so that lengths differ by little and a float's rounding is 6e-8 of
+// the pair's own size.
+#pragma once
+
+#include <carom/core/bundle.hpp>
+
+#include <array>
+#include <cstdint>
+#include <span>
+
+namespace carom::detail {
+
+/// Sixteen pairs. Lanes without a pair are zero.
+struct BoxPairBundle {
+    FloatBundle half_a[3];
+    FloatBundle half_b[3];
+    FloatBundle rotation[3][3];  ///< [i][j]: component along axis i of A of axis j of B
+    FloatBundle offset[3];       ///< centre of B from A's, along A's axes
+    FloatBundle margin;          ///< separations up to this count
+};
+
+/// Codes of axes: faces of A are 0..2, faces of B 3..5, edge i of A with edge j of B is 6 + 3 i + j.
+inline constexpr std::int32_t kApart = -1;
+inline constexpr std::int32_t kFirstFaceOfB = 3;
+inline constexpr std::int32_t kFirstEdge = 6;
+
+/// The axis of the greatest separation of sixteen pairs.
+struct BoxAxisBundle {
+    FloatBundle separation;
+    IntBundle code;  ///< kApart: farther apart than the margin, which is certain
+};
+
+/// Codes of candidates: corner k of B's face is k, corner k of A's is 4 + k, edge k of B's face across side s of A's is 8 + 4 s + k, and the
+/// two edges of an edge axis are 24. Corners of a face run (+,+), (-,+), (-,-), (+,-) in its axes p and q, the two after its own;
+/// edge k goes from corner k to k + 1; sides are p+, p-, q+, q-.
+inline constexpr std::int32_t kCornerOfA = 4;
+inline constexpr std::int32_t kCrossing = 8;
+inline constexpr std::int32_t kEdges = 24;
+
+/// What sixteen pairs have in common.
+struct BoxPatchBundle {
+    struct Point {
+        FloatBundle position[3];  ///< midway between the surfaces
+        FloatBundle separation;
+        IntBundle candidate;
+        IntBundle corner_a;  ///< corner of A's face that the point lies at; -1: none
+        IntBundle corner_b;
+    };
+    FloatBundle normal[3];    ///< unit, from A to B
+    FloatBundle normal_b[3];  ///< the same along B's axes
+    IntBundle face_a;         ///< axis of A's face that looks to B most
+    IntBundle face_b;
+    IntBundle count;          ///< of points, 0..4
+    std::array<Point, 4> points;
+};
+
+/// Method: Gottschalk, Lin, Manocha, OBBTree (1996), sec. 5, with normalised edge axes. An edge axis wins over the faces only where it is
+/// better by kWidePreference of the size.
+/// Accuracy: separations within 1e-6 of the larger box's longest edge.
+void find_box_axes(std::span<const BoxPairBundle> pairs, std::span<BoxAxisBundle> axes);
+
+/// The faces that look at each other most, cut against each other in the plane across the axis: both become parallelograms there, and
+/// in the coordinates of A's, a square against a parallelogram. Up to four points are kept, as reduce_points() does.
+/// Pairs must not be apart. A count of 0 means that the faces do not lie over each other within the margin: corner to corner or
+/// corner to edge, which only the distance decides.
+void build_box_patches(std::span<const BoxPairBundle> pairs, std::span<const BoxAxisBundle> axes, std::span<BoxPatchBundle> patches);
+
+}  // namespace carom::detail

@@ -1,0 +1,131 @@
+// From many points of sixteen patches to the four of each that carry it: reduce_points() for lanes.
+//
+//   WideCandidates candidates;
+//   candidates.add(u, w, separation, valid, code);
+//   WideChoice chosen = choose_points(candidates, tolerance, start_u, start_w);
+
+// This guard lets the file through once for each target.
+#if defined(CAROM_NARROWPHASE_BOX_REDUCE_LANES_HPP) == defined(HWY_TARGET_TOGGLE)
+#ifdef CAROM_NARROWPHASE_BOX_REDUCE_LANES_HPP
+#undef CAROM_NARROWPHASE_BOX_REDUCE_LANES_HPP
+#else
+#define CAROM_NARROWPHASE_BOX_REDUCE_LANES_HPP
+#endif
+
+#include <carom/core/lanes.hpp>
+
+#include <cstddef>
+#include <limits>
+
+HWY_BEFORE_NAMESPACE();
+namespace carom::detail::HWY_NAMESPACE {
+
+using namespace carom::HWY_NAMESPACE;
+
+constexpr float kNever = std::numeric_limits<float>::infinity();
+
+/// A point in the plane of contact; its code is -1 where there is none.
+struct WidePoint {
+    Floats u, w, separation;
+    Ints code;
+};
+HWY_INLINE WidePoint no_point() { return {Floats(0.0f), Floats(0.0f), Floats(0.0f), Ints(-1)}; }
+HWY_INLINE Mask exists(const WidePoint& p) { return p.code > Ints(-1); }
+HWY_INLINE WidePoint select(Mask m, const WidePoint& yes, const WidePoint& no) {
+    return {select(m, yes.u, no.u), select(m, yes.w, no.w), select(m, yes.separation, no.separation), select(m, yes.code, no.code)};
+}
+
+/// At most 25 points: 4 + 4 corners, 16 crossings, 1 pair of edges. Lanes in which a point is not valid have an infinite separation.
+struct WideCandidates {
+    static constexpr std::size_t kRoom = 25;
+    RawFloats u[kRoom], w[kRoom], separation[kRoom];
+    int code[kRoom];
+    std::size_t count = 0;
+
+    HWY_INLINE void add(Floats at_u, Floats at_w, Floats at_separation, Mask valid, int its_code) {
+        u[count] = at_u.raw;
+        w[count] = at_w.raw;
+        separation[count] = select(valid, at_separation, Floats(kNever)).raw;
+        code[count++] = its_code;
+    }
+};
+
+/// @return the valid point with the largest score, if that is over `least`. Ties go to the first.
+template <class Score>
+HWY_INLINE WidePoint best_of(const WideCandidates& c, Floats least, const Score& score) {
+    WidePoint best = no_point();
+    for (std::size_t k = 0; k < c.count; ++k) {
+        const Floats u{c.u[k]}, w{c.w[k]}, separation{c.separation[k]};
+        const Floats s = score(u, w, separation);
+        const Mask better = (s > least) & (separation < Floats(kNever));
+        least = select(better, s, least);
+        best.u = select(better, u, best.u);
+        best.w = select(better, w, best.w);
+        best.separation = select(better, separation, best.separation);
+        best.code = select(better, Ints(c.code[k]), best.code);
+    }
+    return best;
+}
+
+HWY_INLINE Floats distance_sq(const WidePoint& a, Floats u, Floats w) { return (u - a.u) * (u - a.u) + (w - a.w) * (w - a.w); }
+HWY_INLINE Floats area2(const WidePoint& a, const WidePoint& b, Floats u, Floats w) {
+    return (b.u - a.u) * (w - a.w) - (b.w - a.w) * (u - a.u);
+}
+
+/// The first `count` points are in use.
+struct WideChoice {
+    WidePoint points[4];
+    Ints count;
+};
+
+/// What reduce_points() (reduce.hpp) chooses, for each lane.
+HWY_INLINE WideChoice choose_points(const WideCandidates& all, Floats tolerance, Floats start_u, Floats start_w) {
+    const Floats never(-kNever);
+    const WidePoint a = best_of(all, never, [&](Floats u, Floats w, Floats) { return u * start_u + w * start_w; });
+    const WidePoint b = best_of(all, tolerance * tolerance, [&](Floats u, Floats w, Floats) { return distance_sq(a, u, w); });
+    const Floats least_area = tolerance * sqrt(distance_sq(a, b.u, b.w));
+    const WidePoint left = best_of(all, least_area, [&](Floats u, Floats w, Floats) { return area2(a, b, u, w); });
+    const WidePoint right = best_of(all, least_area, [&](Floats u, Floats w, Floats) { return -area2(a, b, u, w); });
+    const Mask has_b = exists(b);
+    const Mask is_left = (!exists(right)) | (exists(left) & (area2(a, b, left.u, left.w) >= -area2(a, b, right.u, right.w)));
+    const WidePoint c = select(is_left, left, right);
+    const Mask has_c = has_b & exists(c);
+    const Floats turn = select(is_left, Floats(-1.0f), Floats(1.0f));
+    const WidePoint d = best_of(all, least_area, [&](Floats u, Floats w, Floats) {
+        return max(max(turn * area2(a, b, u, w), turn * area2(b, c, u, w)), turn * area2(c, a, u, w));
+    });
+    const Mask has_d = has_c & exists(d);
+
+    const Ints zero(0), one(1);
+    const Ints count = (select(exists(a), one, zero) + select(has_b, one, zero)) + (select(has_c, one, zero) + select(has_d, one, zero));
+    WideChoice out{{a, b, c, d}, count};
+    const Mask used[4] = {exists(a), has_b, has_c, has_d};
+
+    // The deepest point takes the place of the nearest, or a free one.
+    Floats least(kNever);
+#pragma GCC unroll 4
+    for (int k = 0; k < 4; ++k) least = select(used[k], min(out.points[k].separation, least), least);
+    const WidePoint deepest = best_of(all, tolerance - least, [](Floats, Floats, Floats separation) { return -separation; });
+    const Mask replace = exists(a) & exists(deepest);
+    if (none(replace)) return out;
+    Floats nearest(kNever);
+    Ints slot(0);
+#pragma GCC unroll 4
+    for (int k = 0; k < 4; ++k) {
+        const Floats distance = distance_sq(deepest, out.points[k].u, out.points[k].w);
+        const Mask nearer = used[k] & (distance < nearest);
+        nearest = select(nearer, distance, nearest);
+        slot = select(nearer, Ints(k), slot);
+    }
+    const Mask append = replace & (out.count < Ints(4)) & (nearest > tolerance * tolerance);
+    slot = select(append, out.count, slot);
+    out.count = select(append, out.count + one, out.count);
+#pragma GCC unroll 4
+    for (int k = 0; k < 4; ++k) out.points[k] = select(replace & (slot == Ints(k)), deepest, out.points[k]);
+    return out;
+}
+
+}  // namespace carom::detail::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target guard
