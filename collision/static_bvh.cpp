@@ -2,6 +2,7 @@
 
 #include <carom/collision/detail/wide_build.hpp>
 #include <carom/collision/detail/wide_bvh.hpp>
+#include <carom/collision/detail/wide_refit.hpp>
 
 #include <string>
 #include <utility>
@@ -11,15 +12,14 @@ namespace {
 
 static_assert(StaticBvh::kMaxTriangles == WideBvh::kMaxTriangles);
 
-Status check(std::span<const vec3> vertices, std::span<const StaticBvh::Triangle> triangles) {
-    constexpr const char* kWhere = "StaticBvh::build";
-    if (triangles.empty()) return Error{ErrorCode::Empty, "a hierarchy needs at least one triangle", kWhere};
+Status check(std::span<const vec3> vertices, std::span<const StaticBvh::Triangle> triangles, const char* where) {
+    if (triangles.empty()) return Error{ErrorCode::Empty, "a hierarchy needs at least one triangle", where};
     if (triangles.size() > StaticBvh::kMaxTriangles) {
-        return Error{ErrorCode::InvalidArgument, "a hierarchy holds at most 2^28 triangles", kWhere};
+        return Error{ErrorCode::InvalidArgument, "a hierarchy holds at most 2^28 triangles", where};
     }
     for (std::size_t i = 0; i < vertices.size(); ++i) {
         if (!is_finite(vertices[i])) {
-            return Error{ErrorCode::NotFinite, "vertex " + std::to_string(i) + " is not finite", kWhere};
+            return Error{ErrorCode::NotFinite, "vertex " + std::to_string(i) + " is not finite", where};
         }
     }
     for (std::size_t i = 0; i < triangles.size(); ++i) {
@@ -28,7 +28,7 @@ Status check(std::span<const vec3> vertices, std::span<const StaticBvh::Triangle
                 return Error{ErrorCode::InvalidArgument,
                              "triangle " + std::to_string(i) + " names vertex " + std::to_string(v) + " of " +
                                  std::to_string(vertices.size()),
-                             kWhere};
+                             where};
             }
         }
     }
@@ -37,13 +37,13 @@ Status check(std::span<const vec3> vertices, std::span<const StaticBvh::Triangle
 
 }  // namespace
 
-StaticBvh::StaticBvh(WideBvh&& wide) : wide_(std::make_unique<const WideBvh>(std::move(wide))) {}
+StaticBvh::StaticBvh(WideBvh&& wide) : wide_(std::make_unique<WideBvh>(std::move(wide))) {}
 StaticBvh::StaticBvh(StaticBvh&&) noexcept = default;
 StaticBvh& StaticBvh::operator=(StaticBvh&&) noexcept = default;
 StaticBvh::~StaticBvh() = default;
 
 Result<StaticBvh> StaticBvh::build(std::span<const vec3> vertices, std::span<const Triangle> triangles, Executor& executor) {
-    if (Status status = check(vertices, triangles); !status) return status.error();
+    if (Status status = check(vertices, triangles, "StaticBvh::build"); !status) return status.error();
     return StaticBvh(build_wide_bvh(vertices, triangles, executor));
 }
 
@@ -52,9 +52,20 @@ Result<StaticBvh> StaticBvh::build(std::span<const vec3> vertices, std::span<con
     return build(vertices, triangles, serial);
 }
 
+Status StaticBvh::refit(std::span<const vec3> vertices, std::span<const Triangle> triangles) {
+    constexpr const char* kWhere = "StaticBvh::refit";
+    if (Status status = check(vertices, triangles, kWhere); !status) return status.error();
+    if (triangles.size() != wide_->triangle_count) {
+        return Error{ErrorCode::InvalidArgument,
+                     std::to_string(triangles.size()) + " triangles for a hierarchy of " + std::to_string(wide_->triangle_count), kWhere};
+    }
+    return refit_wide_bvh(*wide_, vertices, triangles);
+}
+
 std::size_t StaticBvh::triangle_count() const noexcept { return wide_->triangle_count; }
 std::size_t StaticBvh::bytes() const noexcept { return sizeof(WideBvh) + wide_->lines.capacity() * sizeof(WideBvh::Line); }
 double StaticBvh::sah_cost() const noexcept { return wide_->sah_cost; }
+double StaticBvh::degradation() const noexcept { return wide_->sah_cost / wide_->built_cost; }
 
 Aabb StaticBvh::bounds() const noexcept {
     const double unit = 1.0 / static_cast<double>(wide_->scale);

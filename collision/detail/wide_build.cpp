@@ -1,6 +1,7 @@
 #include <carom/collision/detail/wide_build.hpp>
 
 #include <carom/collision/detail/sah_tree.hpp>
+#include <carom/collision/detail/wide_refit.hpp>
 
 #include <algorithm>
 #include <bit>
@@ -9,14 +10,6 @@
 
 namespace carom {
 namespace {
-
-/// The power of two that brings `largest` near 1, where it is out of the range in which products are safe as they are.
-float scale_for(float largest) noexcept {
-    if (largest == 0.0f || (largest >= 0x1p-20f && largest <= 0x1p20f)) return 1.0f;
-    int exponent = 0;
-    static_cast<void>(std::frexp(largest, &exponent));
-    return std::ldexp(1.0f, std::clamp(-exponent, -120, 120));
-}
 
 std::uint32_t hash_of(const vec3& v) noexcept {
     // Adding zero makes +0 of -0.
@@ -203,7 +196,7 @@ WideBvh build_wide_bvh(std::span<const vec3> vertices, std::span<const Corners> 
     const std::vector<std::uint32_t> welded = first_at_position(vertices);
     float largest = 0.0f;
     for (const vec3& v : vertices) largest = std::max({largest, std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-    out.scale = scale_for(largest);
+    out.scale = wide_scale_for(largest);
 
     std::vector<SahItem> items(triangles.size());
     std::vector<Corners> corners(triangles.size());
@@ -224,6 +217,7 @@ WideBvh build_wide_bvh(std::span<const vec3> vertices, std::span<const Corners> 
     out.lower = {box.minimum[0], box.minimum[1], box.minimum[2]};
     out.upper = {-box.minimum[4], -box.minimum[5], -box.minimum[6]};
     Folding(out, tree, vertices, corners).run();
+    out.built_cost = out.sah_cost;
     return out;
 }
 

@@ -68,6 +68,7 @@ struct WideBvh {
     vec3 lower{0.0f};             ///< box of the triangles, scaled
     vec3 upper{0.0f};
     double sah_cost = 0.0;        ///< see StaticBvh::sah_cost
+    double built_cost = 0.0;      ///< what sah_cost was when the tree was built
 
     [[nodiscard]] static constexpr WideRef root() noexcept { return 0; }
     [[nodiscard]] const WideNode& node(WideRef ref) const noexcept {

@@ -1,0 +1,153 @@
+#include <carom/collision/bvh_queries.hpp>
+
+#include <carom/collision/closest_points.hpp>
+#include <carom/collision/detail/wide_bvh.hpp>
+#include <carom/collision/detail/wide_volume.hpp>
+#include <carom/collision/overlap_tests.hpp>
+#include <carom/core/check.hpp>
+
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace carom {
+namespace {
+
+constexpr double kFloatUnit = 0x1p-24;
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
+
+float at_most(double x) noexcept {
+    const auto f = static_cast<float>(x);
+    return static_cast<double>(f) > x ? std::nextafter(f, -kInfinity) : f;
+}
+float at_least(double x) noexcept { return -at_most(-x); }
+
+/// A triangle of a leaf in the mesh's own coordinates, which scaling by a power of two gives back to the bit.
+geo::Triangle<double> triangle_of(const WideLeaf& leaf, std::uint32_t k, double unit) noexcept {
+    const auto corner = [&](std::size_t c) {
+        const std::size_t v = leaf.corner[c][k];
+        return unit * dvec3(leaf.vertex[0][v], leaf.vertex[1][v], leaf.vertex[2][v]);
+    };
+    return {corner(0), corner(1), corner(2)};
+}
+
+double unit_of(const WideBvh& tree) noexcept { return 1.0 / static_cast<double>(tree.scale); }
+
+WideVolume box_volume(const WideBvh& tree, const dvec3& lower, const dvec3& upper) noexcept {
+    WideVolume volume{};
+    for (int k = 0; k < 3; ++k) {
+        volume.lower[k] = at_most(static_cast<double>(tree.scale) * lower[k]);
+        volume.upper[k] = at_least(static_cast<double>(tree.scale) * upper[k]);
+    }
+    return volume;
+}
+
+/// Cuts the volume by normal . x <= offset, in the mesh's coordinates; the normal of unit length.
+void cut(WideVolume& volume, const WideBvh& tree, const dvec3& normal, double offset) noexcept {
+    // The coordinates of a corner are exact. Its product with the rounded normal is wrong by less than 8 u of the sum of |normal| |x|,
+    // which is at most sqrt(3) times the largest coordinate.
+    const vec3 far = glm::max(glm::abs(tree.lower), glm::abs(tree.upper));
+    const double largest = static_cast<double>(std::max({far.x, far.y, far.z}));
+    const double scaled = static_cast<double>(tree.scale) * offset;
+    WideVolume::Cut& c = volume.cuts[volume.cut_count++];
+    for (int k = 0; k < 3; ++k) c.normal[k] = static_cast<float>(normal[k]);
+    c.offset = at_least(scaled + 16.0 * kFloatUnit * largest + 1e-15 * std::abs(scaled));
+}
+
+/// The volume of a box with axes of its own.
+WideVolume turned_volume(const WideBvh& tree, const geo::Obb<double>& box) noexcept {
+    dvec3 reach{0.0};
+    for (int k = 0; k < 3; ++k) reach += box.half_extents[k] * glm::abs(box.axes[k]);
+    // The axes are orthonormal to a few ulp, which a share of 1e-14 covers.
+    reach = reach * (1.0 + 1e-14) + 1e-14 * glm::abs(box.center);
+    WideVolume volume = box_volume(tree, box.center - reach, box.center + reach);
+    for (int k = 0; k < 3; ++k) {
+        const double along = glm::dot(box.axes[k], box.center);
+        const double half = box.half_extents[k] + 1e-14 * (glm::length(box.half_extents) + glm::length(box.center));
+        cut(volume, tree, box.axes[k], along + half);
+        cut(volume, tree, -box.axes[k], half - along);
+    }
+    return volume;
+}
+
+template <class Shape>
+void visit_overlaps(const StaticBvh& bvh, const WideVolume& volume, const Shape& shape, TriangleVisit visit) {
+    const WideBvh& tree = bvh.wide();
+    const double unit = unit_of(tree);
+    visit_leaves(tree, volume, [&](const WideLeaf& leaf) {
+        for (std::uint32_t k = 0; k < leaf.triangle_count; ++k) {
+            if (geo::overlaps(shape, triangle_of(leaf, k, unit)) && !visit(leaf.triangle[k])) return false;
+        }
+        return true;
+    });
+}
+
+/// A box round a capsule, along its axis.
+geo::Obb<double> box_round(const geo::Capsule<double>& c) noexcept {
+    const dvec3 along = c.axis.b - c.axis.a;
+    const double length = glm::length(along);
+    geo::Obb<double> box{.center = 0.5 * (c.axis.a + c.axis.b), .half_extents = dvec3{c.radius}};
+    box.half_extents.x += 0.5 * length;
+    if (!(length > 0.0)) return box;
+    const dvec3 x = along / length;
+    // The coordinate axis that leans on it least.
+    const dvec3 s = glm::abs(x);
+    const dvec3 other = s.x <= s.y && s.x <= s.z ? dvec3{1, 0, 0} : (s.y <= s.z ? dvec3{0, 1, 0} : dvec3{0, 0, 1});
+    const dvec3 y = glm::normalize(glm::cross(x, other));
+    box.axes = dmat3{x, y, glm::cross(x, y)};
+    return box;
+}
+
+}  // namespace
+
+void overlapping_triangles(const StaticBvh& bvh, const geo::Aabb<double>& volume, TriangleVisit visit) {
+    visit_overlaps(bvh, box_volume(bvh.wide(), volume.lower, volume.upper), volume, visit);
+}
+
+void overlapping_triangles(const StaticBvh& bvh, const geo::Sphere<double>& volume, TriangleVisit visit) {
+    const dvec3 reach = dvec3{volume.radius} + 1e-14 * (glm::abs(volume.center) + dvec3{volume.radius});
+    visit_overlaps(bvh, box_volume(bvh.wide(), volume.center - reach, volume.center + reach), volume, visit);
+}
+
+void overlapping_triangles(const StaticBvh& bvh, const geo::Obb<double>& volume, TriangleVisit visit) {
+    visit_overlaps(bvh, turned_volume(bvh.wide(), volume), volume, visit);
+}
+
+void overlapping_triangles(const StaticBvh& bvh, const geo::Capsule<double>& volume, TriangleVisit visit) {
+    visit_overlaps(bvh, turned_volume(bvh.wide(), box_round(volume)), volume, visit);
+}
+
+std::optional<ClosestOnMesh> closest_point(const StaticBvh& bvh, const dvec3& point, double radius) {
+    if (!is_finite(point) || !(radius >= 0.0)) return std::nullopt;
+    const WideBvh& tree = bvh.wide();
+    const double unit = unit_of(tree), scale = static_cast<double>(tree.scale);
+    const dvec3 scaled = scale * point;
+    const WidePoint3 start{{static_cast<float>(scaled.x), static_cast<float>(scaled.y), static_cast<float>(scaled.z)},
+                           at_least(2.0 * kFloatUnit * glm::length(scaled))};
+    std::optional<ClosestOnMesh> best;
+    double least_sq = std::numeric_limits<double>::infinity();
+    visit_leaves_near(tree, start, at_least(scale * radius), [&](const WideLeaf& leaf) {
+        for (std::uint32_t k = 0; k < leaf.triangle_count; ++k) {
+            const geo::ClosestPoints<double> c = geo::closest_points(point, triangle_of(leaf, k, unit));
+            const bool nearer = c.distance_sq < least_sq || (best && c.distance_sq == least_sq && leaf.triangle[k] < best->triangle);
+            if (!nearer || !(std::sqrt(c.distance_sq) <= radius)) continue;
+            least_sq = c.distance_sq;
+            best = ClosestOnMesh{c.on_b, std::sqrt(c.distance_sq), leaf.triangle[k]};
+        }
+        return at_least(scale * (best ? best->distance : radius));
+    });
+    return best;
+}
+
+void closest_points(const StaticBvh& bvh, std::span<const dvec3> points, double radius, std::span<std::optional<ClosestOnMesh>> found,
+                    Executor& executor) {
+    CAROM_REQUIRE(points.size() == found.size(), ErrorCode::InvalidArgument, "points and found differ in size");
+    executor.parallel_for(points.size(), 64, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) found[i] = closest_point(bvh, points[i], radius);
+    });
+}
+
+}  // namespace carom

@@ -1,0 +1,25 @@
+// Moves the vertices of a wide hierarchy and keeps its shape.
+//
+//   if (Status status = refit_wide_bvh(tree, vertices, triangles); !status) rebuild();
+#pragma once
+
+#include <carom/collision/detail/wide_bvh.hpp>
+#include <carom/core/result.hpp>
+
+#include <array>
+#include <span>
+
+namespace carom {
+
+/// @return the power of two by which coordinates up to `largest` are scaled: 1 where they are of ordinary size.
+[[nodiscard]] float wide_scale_for(float largest) noexcept;
+
+/// Writes new positions into the leaves and new boxes above them, and updates sah_cost. Changes nothing where it fails.
+/// @param vertices   finite, as many as the triangles name.
+/// @param triangles  those of which the tree was built.
+/// @return WrongType where vertices that were one in a leaf are no longer at one position, or the scale is no longer right.
+/// Cost: O(m), no recursion.
+[[nodiscard]] Status refit_wide_bvh(WideBvh& tree, std::span<const vec3> vertices,
+                                    std::span<const std::array<std::uint32_t, 3>> triangles);
+
+}  // namespace carom
