@@ -101,7 +101,80 @@ geo::Obb<double> box_round(const geo::Capsule<double>& c) noexcept {
     return box;
 }
 
+/// Cuts polygons by half-spaces normal . x <= offset, which keep what rounding might have put beyond them.
+class Cutter {
+public:
+    void start(const std::array<dvec3, 3>& corners) { polygon_.assign(corners.begin(), corners.end()); }
+    /// @return whether anything is left.
+    bool cut(const dvec3& normal, double offset) {
+        next_.clear();
+        const auto height = [&](const dvec3& p) {
+            const dvec3 products = normal * p;
+            const double doubt = 0x1p-50 * (std::abs(products.x) + std::abs(products.y) + std::abs(products.z) + std::abs(offset));
+            return (products.x + products.y + products.z - offset) - doubt;
+        };
+        for (std::size_t i = 0; i < polygon_.size(); ++i) {
+            const dvec3& here = polygon_[i];
+            const dvec3& there = polygon_[i + 1 < polygon_.size() ? i + 1 : 0];
+            const double h = height(here), g = height(there);
+            if (h <= 0.0) next_.push_back(here);
+            if ((h <= 0.0) != (g <= 0.0)) next_.push_back(here + (h / (h - g)) * (there - here));
+        }
+        std::swap(polygon_, next_);
+        return !polygon_.empty();
+    }
+
+private:
+    std::vector<dvec3> polygon_, next_;
+};
+
 }  // namespace
+
+void overlapping_triangles(const StaticBvh& bvh, const geo::Frustum<double>& volume, TriangleVisit visit) {
+    const WideBvh& tree = bvh.wide();
+    const double unit = unit_of(tree);
+    WideVolume around = box_volume(tree, dvec3{-kFarthest}, dvec3{kFarthest});
+    for (const geo::Plane<double>& plane : volume.planes) {
+        if (!is_finite(plane.normal) || !is_finite(plane.offset)) return;
+        cut(around, tree, -plane.normal, -plane.offset);
+    }
+    Cutter cutter;
+    visit_leaves(tree, around, [&](const WideLeaf& leaf) {
+        for (std::uint32_t k = 0; k < leaf.triangle_count; ++k) {
+            const geo::Triangle<double> t = triangle_of(leaf, k, unit);
+            cutter.start({t.a, t.b, t.c});
+            bool met = true;
+            for (const geo::Plane<double>& plane : volume.planes) met = met && cutter.cut(-plane.normal, -plane.offset);
+            if (met && !visit(leaf.triangle[k])) return false;
+        }
+        return true;
+    });
+}
+
+void overlapping_triangles(const StaticBvh& bvh, const ConvexHull& hull, const Pose& pose, TriangleVisit visit) {
+    if (!is_finite(pose)) return;
+    const WideBvh& tree = bvh.wide();
+    const double unit = unit_of(tree);
+    Aabb box;
+    for (const vec3& v : hull.vertices()) {
+        const dvec3 p = transform_point(pose, dvec3(v));
+        const dvec3 doubt = 0x1p-48 * (glm::abs(pose.position) + dvec3{glm::length(dvec3(v))});
+        box = merge(box, {p - doubt, p + doubt});
+    }
+    Cutter cutter;
+    visit_leaves(tree, box_volume(tree, box.lower, box.upper), [&](const WideLeaf& leaf) {
+        for (std::uint32_t k = 0; k < leaf.triangle_count; ++k) {
+            const geo::Triangle<double> t = triangle_of(leaf, k, unit);
+            if (!geo::overlaps(geo::Aabb<double>{box.lower, box.upper}, t)) continue;
+            cutter.start({inverse_transform_point(pose, t.a), inverse_transform_point(pose, t.b), inverse_transform_point(pose, t.c)});
+            const double doubt = 0x1p-48 * glm::length(pose.position);
+            bool met = true;
+            for (const ConvexHull::Face& face : hull.faces()) met = met && cutter.cut(dvec3(face.normal), face_offset(hull, face) + doubt);
+            if (met && !visit(leaf.triangle[k])) return false;
+        }
+        return true;
+    });
+}
 
 void overlapping_triangles(const StaticBvh& bvh, const geo::Aabb<double>& volume, TriangleVisit visit) {
     visit_overlaps(bvh, box_volume(bvh.wide(), volume.lower, volume.upper), volume, visit);
