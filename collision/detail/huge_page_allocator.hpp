@@ -1,6 +1,6 @@
 // Memory for large tables that are read at random: on huge pages where the system has them, and not cleared.
 //
-//   std::vector<Line, HugePageAllocator<Line>> lines(count);   // on Linux: a tenth fewer cycles for rays against 1 M triangles
+//   HugePageVector<Line> lines(count);   // on Linux: a tenth fewer cycles for rays against 1 M triangles
 #pragma once
 
 #include <cstddef>
@@ -8,6 +8,7 @@
 #include <limits>
 #include <new>
 #include <utility>
+#include <vector>
 
 #if defined(__linux__)
 #include <sys/mman.h>
@@ -53,5 +54,8 @@ private:
         return std::align_val_t{bytes >= kHugePage ? kHugePage : alignof(T) < 64 ? 64 : alignof(T)};
     }
 };
+
+template <class T>
+using HugePageVector = std::vector<T, HugePageAllocator<T>>;
 
 }  // namespace carom

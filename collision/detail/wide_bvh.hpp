@@ -61,7 +61,7 @@ struct WideBvh {
         std::byte bytes[64];
     };
 
-    std::vector<Line, HugePageAllocator<Line>> lines;  ///< the root's node first
+    HugePageVector<Line> lines;  ///< the root's node first
     std::size_t node_count = 0;
     std::size_t leaf_count = 0;
     std::size_t triangle_count = 0;
