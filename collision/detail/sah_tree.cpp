@@ -8,6 +8,7 @@
 #include <carom/core/lanes.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <limits>
 
 #ifndef CAROM_COLLISION_SAH_TREE_ONCE
@@ -31,7 +32,7 @@ struct Range {
 /// A subtree that is built on its own, and then put in the place of a node of the top.
 struct Task {
     Range range;
-    std::vector<SahNode> nodes;
+    HugePageVector<SahNode> nodes;
     SahFold fold;
 };
 
@@ -44,7 +45,7 @@ struct Build {
     std::vector<Task>* tasks = nullptr;
 };
 
-using Subtree = void (*)(const Build& build, const Range& range, std::vector<SahNode>& nodes, SahFold& fold);
+using Subtree = void (*)(const Build& build, const Range& range, HugePageVector<SahNode>& nodes, SahFold& fold);
 
 }  // namespace sah
 }  // namespace carom
@@ -58,10 +59,7 @@ using sah::Build;
 using sah::Range;
 
 using Tag8 = hn::CappedTag<float, 8>;
-using Tag4 = hn::CappedTag<float, 4>;
-using IntTag4 = hn::Rebind<std::int32_t, Tag4>;
 constexpr std::size_t kStep8 = hn::MaxLanes(Tag8());
-constexpr std::size_t kStep4 = hn::MaxLanes(Tag4());
 
 HWY_INLINE void grow(float* box, const float* by) {
     for (std::size_t i = 0; i < 8; i += kStep8) {
@@ -75,15 +73,59 @@ HWY_INLINE void set_empty(float* box) {
     }
 }
 
-HWY_INLINE float half_area(const float* box) {
-    const float x = -box[4] - box[0];
-    const float y = -box[5] - box[1];
-    const float z = -box[6] - box[2];
-    return x * y + y * z + z * x;
-}
+/// The eight lanes of an item as SahBox has them.
+HWY_INLINE const float* lanes_of(const SahItem& item) { return reinterpret_cast<const float*>(&item); }
 
-/// The four floats of the box at once: x, y, z, and one that means nothing.
-HWY_INLINE const float* as_floats(const SahItem& item) { return item.lower; }
+constexpr float kRounder = 0x1.8p23f;
+
+/// Four floats, of which three count.
+#if HWY_TARGET == HWY_SCALAR
+struct Four {
+    float lane[4];
+    template <class Op>
+    static Four make(Op&& op) {
+        return {{op(0), op(1), op(2), op(3)}};
+    }
+};
+HWY_INLINE Four load4(const float* from) { return Four::make([&](int i) { return from[i]; }); }
+HWY_INLINE Four set4(float x) { return {{x, x, x, x}}; }
+HWY_INLINE void store4(Four a, float* to) { std::copy_n(a.lane, 4, to); }
+HWY_INLINE Four min4(Four a, Four b) { return Four::make([&](int i) { return std::min(a.lane[i], b.lane[i]); }); }
+HWY_INLINE Four sub4(Four a, Four b) { return Four::make([&](int i) { return a.lane[i] - b.lane[i]; }); }
+HWY_INLINE Four mul4(Four a, Four b) { return Four::make([&](int i) { return a.lane[i] * b.lane[i]; }); }
+HWY_INLINE float half_area(Four lower, Four minus_upper) {
+    const Four e = sub4(sub4(set4(0.0f), minus_upper), lower);
+    return (e.lane[0] * e.lane[1] + e.lane[1] * e.lane[2]) + e.lane[2] * e.lane[0];
+}
+HWY_INLINE void bins4(Four a, int most, std::int32_t* to) {
+    for (int i = 0; i < 4; ++i) {
+        to[i] = std::min(std::bit_cast<std::int32_t>(a.lane[i] + kRounder) - std::bit_cast<std::int32_t>(kRounder), most);
+    }
+}
+#else
+using Tag4 = hn::Simd<float, 4, 0>;
+using Four = hn::Vec<Tag4>;
+HWY_INLINE Four load4(const float* from) { return hn::Load(Tag4(), from); }
+HWY_INLINE Four set4(float x) { return hn::Set(Tag4(), x); }
+HWY_INLINE void store4(Four a, float* to) { hn::Store(a, Tag4(), to); }
+HWY_INLINE Four min4(Four a, Four b) { return hn::Min(a, b); }
+HWY_INLINE Four sub4(Four a, Four b) { return hn::Sub(a, b); }
+HWY_INLINE Four mul4(Four a, Four b) { return hn::Mul(a, b); }
+HWY_INLINE float half_area(Four lower, Four minus_upper) {
+    const Four e = sub4(sub4(set4(0.0f), minus_upper), lower);
+    const Four next = hn::Shuffle0321(e);                 // y z . .
+    const Four xy_yz = mul4(e, next);
+    const Four zx = mul4(e, hn::Shuffle1032(e));          // z . . .
+    return (hn::GetLane(xy_yz) + hn::GetLane(hn::Shuffle0321(xy_yz))) + hn::GetLane(zx);
+}
+/// Rounds 0 <= a < 2^22 to the nearest integer, by an addition that leaves it in the last bits, to `most` at most.
+HWY_INLINE void bins4(Four a, int most, std::int32_t* to) {
+    const hn::Rebind<std::int32_t, Tag4> tag;
+    const auto sum = hn::BitCast(tag, hn::Add(a, hn::Set(Tag4(), kRounder)));
+    const auto bin = hn::Sub(sum, hn::Set(tag, std::bit_cast<std::int32_t>(kRounder)));
+    hn::Store(hn::Min(bin, hn::Set(tag, most)), tag, to);
+}
+#endif
 
 /// Maps twice the centre of an item to a bin on each axis.
 struct Binning {
@@ -92,11 +134,8 @@ struct Binning {
     int bins;
 
     HWY_INLINE void bins_of(const SahItem& item, std::int32_t* bin) const {
-        for (std::size_t i = 0; i < 4; i += kStep4) {
-            const auto twice = hn::Sub(hn::Load(Tag4(), item.lower + i), hn::Load(Tag4(), item.minus_upper + i));
-            const auto place = hn::Mul(hn::Sub(twice, hn::Load(Tag4(), origin + i)), hn::Load(Tag4(), scale + i));
-            hn::Store(hn::Min(hn::ConvertTo(IntTag4(), place), hn::Set(IntTag4(), bins - 1)), IntTag4(), bin + i);
-        }
+        const Four twice = sub4(load4(lanes_of(item)), load4(lanes_of(item) + 4));
+        bins4(mul4(sub4(twice, load4(origin)), load4(scale)), bins - 1, bin);
     }
 };
 
@@ -104,9 +143,9 @@ struct Split {
     int axis = -1;  ///< < 0: no split separates anything
     int last = 0;   ///< bins 0..last go left
     float cost = std::numeric_limits<float>::infinity();
-    SahBox left{};
-    SahBox right{};
     std::uint32_t left_count = 0;
+    SahBox left;
+    SahBox right;
 };
 
 /// Few bins for few triangles: most ranges are small, and summing up empty bins would take most of the build.
@@ -114,78 +153,121 @@ HWY_INLINE int bin_count(std::uint32_t count) { return std::min(sah::kMostBins, 
 
 Binning binning_of(const SahItem* items, std::uint32_t count) {
     // Bounds of twice the centres: minimum, and minus maximum.
-    alignas(32) float low[4], minus_high[4];
-    for (std::size_t i = 0; i < 4; i += kStep4) {
-        auto lowest = hn::Set(Tag4(), std::numeric_limits<float>::infinity());
-        auto minus_highest = lowest;
-        for (std::uint32_t k = 0; k < count; ++k) {
-            const auto lower = hn::Load(Tag4(), items[k].lower + i);
-            const auto minus_upper = hn::Load(Tag4(), items[k].minus_upper + i);
-            lowest = hn::Min(lowest, hn::Sub(lower, minus_upper));
-            minus_highest = hn::Min(minus_highest, hn::Sub(minus_upper, lower));
-        }
-        hn::Store(lowest, Tag4(), low + i);
-        hn::Store(minus_highest, Tag4(), minus_high + i);
+    Four lowest = set4(std::numeric_limits<float>::infinity());
+    Four minus_highest = lowest;
+    for (std::uint32_t k = 0; k < count; ++k) {
+        const Four lower = load4(lanes_of(items[k]));
+        const Four minus_upper = load4(lanes_of(items[k]) + 4);
+        lowest = min4(lowest, sub4(lower, minus_upper));
+        minus_highest = min4(minus_highest, sub4(minus_upper, lower));
     }
+    alignas(16) float low[4], minus_high[4];
+    store4(lowest, low);
+    store4(minus_highest, minus_high);
     Binning binning;
     binning.bins = bin_count(count);
     binning.origin[3] = 0.0f, binning.scale[3] = 0.0f;
     for (int axis = 0; axis < 3; ++axis) {
         const float extent = -minus_high[axis] - low[axis];
         binning.origin[axis] = low[axis];
+        // The first and the last bin are half as wide as the others, for values are rounded to nearest.
         // An extent this small against a mesh of size 1 separates nothing worth it, and its inverse could overflow.
-        binning.scale[axis] = extent > 1e-30f ? static_cast<float>(binning.bins) / extent : 0.0f;
+        binning.scale[axis] = extent > 1e-30f ? static_cast<float>(binning.bins - 1) / extent : 0.0f;
     }
     return binning;
 }
 
-Split best_split(const SahItem* items, std::uint32_t count, const Binning& binning) {
+/// Boxes and counts of bins.
+struct Bins {
     alignas(32) float box[3][sah::kMostBins][8];
     std::uint32_t number[3][sah::kMostBins];
-    const int bins = binning.bins;
-    for (int axis = 0; axis < 3; ++axis) {
-        for (int i = 0; i < bins; ++i) {
-            set_empty(box[axis][i]);
-            number[axis][i] = 0;
+
+    HWY_INLINE explicit Bins(int bins) {
+        for (int axis = 0; axis < 3; ++axis) {
+            for (int i = 0; i < bins; ++i) {
+                set_empty(box[axis][i]);
+                number[axis][i] = 0;
+            }
         }
     }
-    for (std::uint32_t k = 0; k < count; ++k) {
+    HWY_INLINE void add(const SahItem& item, const Binning& binning) {
         alignas(16) std::int32_t bin[4];
-        binning.bins_of(items[k], bin);
+        binning.bins_of(item, bin);
+        grow(box[0][bin[0]], lanes_of(item));
+        grow(box[1][bin[1]], lanes_of(item));
+        grow(box[2][bin[2]], lanes_of(item));
+        ++number[0][bin[0]];
+        ++number[1][bin[1]];
+        ++number[2][bin[2]];
+    }
+};
+
+Bins fill_bins(const SahItem* items, std::uint32_t count, const Binning& binning) {
+    Bins bins(binning.bins);
+    constexpr std::uint32_t kTwoSets = 48;
+    if (count < kTwoSets) {
+        for (std::uint32_t k = 0; k < count; ++k) bins.add(items[k], binning);
+        return bins;
+    }
+    // Neighbours fall into one bin, and each waits there for the one before: two ranges in turn wait half as long.
+    Bins second(binning.bins);
+    const std::uint32_t half = count / 2;
+    for (std::uint32_t k = 0; k < half; ++k) {
+        bins.add(items[k], binning);
+        second.add(items[half + k], binning);
+    }
+    if (count % 2 != 0) bins.add(items[count - 1], binning);
+    for (int axis = 0; axis < 3; ++axis) {
+        for (int i = 0; i < binning.bins; ++i) {
+            grow(bins.box[axis][i], second.box[axis][i]);
+            bins.number[axis][i] += second.number[axis][i];
+        }
+    }
+    return bins;
+}
+
+Split best_split(const SahItem* items, std::uint32_t count, const Binning& binning) {
+    const Bins filled = fill_bins(items, count, binning);
+    const auto& box = filled.box;
+    const auto& number = filled.number;
+    const int bins = binning.bins;
+    // Sums from the right first, then from the left; three axes at once, so that one does not wait for another's chain.
+    float right_cost[3][sah::kMostBins];
+    Four lower[3], minus_upper[3];
+    std::uint32_t total[3] = {0, 0, 0};
+    for (int axis = 0; axis < 3; ++axis) lower[axis] = minus_upper[axis] = set4(std::numeric_limits<float>::infinity());
+    for (int i = bins - 1; i > 0; --i) {
         for (int axis = 0; axis < 3; ++axis) {
-            grow(box[axis][bin[axis]], as_floats(items[k]));
-            ++number[axis][bin[axis]];
+            lower[axis] = min4(lower[axis], load4(box[axis][i]));
+            minus_upper[axis] = min4(minus_upper[axis], load4(box[axis][i] + 4));
+            total[axis] += number[axis][i];
+            right_cost[axis][i] = static_cast<float>(total[axis]) * half_area(lower[axis], minus_upper[axis]);
         }
     }
     Split best;
     for (int axis = 0; axis < 3; ++axis) {
-        if (binning.scale[axis] == 0.0f) continue;
-        alignas(32) float right[sah::kMostBins][8];  // of bins i.. up to the last
-        float right_area[sah::kMostBins];
-        alignas(32) float sum[8];
-        set_empty(sum);
-        for (int i = bins - 1; i > 0; --i) {
-            grow(sum, box[axis][i]);
-            std::copy_n(sum, 8, right[i]);
-            right_area[i] = half_area(sum);
-        }
-        set_empty(sum);
-        std::uint32_t left_count = 0;
-        for (int i = 0; i + 1 < bins; ++i) {
-            grow(sum, box[axis][i]);
-            left_count += number[axis][i];
-            if (left_count == 0 || left_count == count) continue;
-            const float cost = static_cast<float>(left_count) * half_area(sum) +
-                               static_cast<float>(count - left_count) * right_area[i + 1];
+        total[axis] = 0;
+        lower[axis] = minus_upper[axis] = set4(std::numeric_limits<float>::infinity());
+    }
+    for (int i = 0; i + 1 < bins; ++i) {
+        for (int axis = 0; axis < 3; ++axis) {
+            lower[axis] = min4(lower[axis], load4(box[axis][i]));
+            minus_upper[axis] = min4(minus_upper[axis], load4(box[axis][i] + 4));
+            total[axis] += number[axis][i];
+            const float cost = static_cast<float>(total[axis]) * half_area(lower[axis], minus_upper[axis]) + right_cost[axis][i + 1];
+            // An empty side costs 0 times infinity: NaN, which is not less.
             if (cost < best.cost) {
                 best.axis = axis;
                 best.last = i;
                 best.cost = cost;
-                best.left_count = left_count;
-                std::copy_n(sum, 8, best.left.minimum);
-                std::copy_n(right[i + 1], 8, best.right.minimum);
+                best.left_count = total[axis];
             }
         }
+    }
+    if (best.axis >= 0) {
+        set_empty(best.left.minimum);
+        set_empty(best.right.minimum);
+        for (int i = 0; i < bins; ++i) grow(i <= best.last ? best.left.minimum : best.right.minimum, box[best.axis][i]);
     }
     return best;
 }
@@ -206,7 +288,7 @@ void partition(const SahItem* from, SahItem* to, std::uint32_t count, const Binn
 
 void box_of(const SahItem* items, std::uint32_t count, SahBox& box) {
     set_empty(box.minimum);
-    for (std::uint32_t k = 0; k < count; ++k) grow(box.minimum, as_floats(items[k]));
+    for (std::uint32_t k = 0; k < count; ++k) grow(box.minimum, lanes_of(items[k]));
 }
 
 /// Cuts a range in two.
@@ -236,7 +318,7 @@ void cut(const Build& build, const Range& range, Range& left, Range& right) {
     right.count = range.count - left.count;
 }
 
-void build_subtree(const Build& build, const Range& range, std::vector<SahNode>& nodes, SahFold& fold) {
+void build_subtree(const Build& build, const Range& range, HugePageVector<SahNode>& nodes, SahFold& fold) {
     const std::size_t self = nodes.size();
     nodes.emplace_back();
     nodes[self].box = range.box;
@@ -245,7 +327,7 @@ void build_subtree(const Build& build, const Range& range, std::vector<SahNode>&
     if (range.count <= sah::kLeafSize) {
         const SahItem* items = build.buffer[range.swapped ? 1 : 0] + range.first;
         std::uint32_t* order = build.order + range.first;
-        for (std::uint32_t k = 0; k < range.count; ++k) order[k] = items[k].triangle;
+        for (std::uint32_t k = 0; k < range.count; ++k) order[k] = items[k].triangle();
         fold_leaf(nodes[self], {order, range.count}, build.corners, fold);
         return;
     }
@@ -289,14 +371,14 @@ HWY_EXPORT(whole_box);
 HWY_EXPORT(cut_top);
 
 /// Joins the tasks from `next` on into one tree, top nodes around them.
-void join(std::vector<sah::Task>& tasks, std::size_t& next, std::vector<SahNode>& nodes, SahFold& fold) {
+void join(std::vector<sah::Task>& tasks, std::size_t& next, HugePageVector<SahNode>& nodes, SahFold& fold) {
     sah::Task& task = tasks[next++];
     const std::size_t self = nodes.size();
     const bool top = task.fold.limit == 0;
     if (!top) {
         nodes.insert(nodes.end(), task.nodes.begin(), task.nodes.end());
         fold = task.fold;
-        std::vector<SahNode>().swap(task.nodes);
+        HugePageVector<SahNode>().swap(task.nodes);
         return;
     }
     nodes.emplace_back();
@@ -312,9 +394,9 @@ void join(std::vector<sah::Task>& tasks, std::size_t& next, std::vector<SahNode>
 
 }  // namespace
 
-SahTree build_sah_tree(std::vector<SahItem> items, std::span<const Corners> corners, Executor& executor) {
+SahTree build_sah_tree(HugePageVector<SahItem> items, std::span<const Corners> corners, Executor& executor) {
     const auto count = static_cast<std::uint32_t>(items.size());
-    std::vector<SahItem> second(items.size());
+    HugePageVector<SahItem> second(items.size());
     SahTree tree;
     tree.order.resize(items.size());
     tree.nodes.reserve(items.size());

@@ -4,6 +4,7 @@
 //   tree.nodes[0].choice[16];
 #pragma once
 
+#include <carom/collision/detail/huge_page_allocator.hpp>
 #include <carom/core/executor.hpp>
 
 #include <array>
@@ -14,12 +15,15 @@
 
 namespace carom {
 
-/// A triangle's box. The upper corner is negated, so that one minimum grows both.
+/// A triangle's box. The upper corner is negated, so that one minimum grows both. The triangle's number stands in a lane of floats:
+/// tagged, it is a normal one, for denormals would make arithmetic on that lane slow.
 struct alignas(32) SahItem {
+    static constexpr std::uint32_t kTag = 0x40000000u;
     float lower[3];
-    std::uint32_t triangle;
+    std::uint32_t tagged;  ///< triangle | kTag
     float minus_upper[3];
     float zero;
+    [[nodiscard]] std::uint32_t triangle() const noexcept { return tagged & ~kTag; }
 };
 static_assert(sizeof(SahItem) == 32);
 
@@ -50,8 +54,8 @@ struct SahFold {
 };
 
 struct SahTree {
-    std::vector<SahNode> nodes;
-    std::vector<std::uint32_t> order;  ///< triangles as the leaves hold them
+    HugePageVector<SahNode> nodes;
+    HugePageVector<std::uint32_t> order;  ///< triangles as the leaves hold them
 };
 
 using Corners = std::array<std::uint32_t, 3>;
@@ -66,6 +70,6 @@ void fold_inner(SahNode& node, const SahFold& left, const SahFold& right, SahFol
 /// width.
 /// @param items    (m,), 1 <= m < 2^28, coordinates below 2^60; used as scratch.
 /// @param corners  (m,) welded vertices of each triangle.
-[[nodiscard]] SahTree build_sah_tree(std::vector<SahItem> items, std::span<const Corners> corners, Executor& executor);
+[[nodiscard]] SahTree build_sah_tree(HugePageVector<SahItem> items, std::span<const Corners> corners, Executor& executor);
 
 }  // namespace carom

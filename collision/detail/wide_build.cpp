@@ -26,7 +26,7 @@ std::vector<std::uint32_t> first_at_position(std::span<const vec3> vertices) {
     constexpr std::uint32_t kFree = 0xffffffffu;
     const std::size_t size = std::bit_ceil(2 * vertices.size() + 1);
     const std::size_t mask = size - 1;
-    std::vector<std::uint32_t> table(size, kFree);
+    HugePageVector<std::uint32_t> table(size, kFree);
     std::vector<std::uint32_t> first(vertices.size());
     for (std::uint32_t i = 0; i < vertices.size(); ++i) {
         std::size_t slot = hash_of(vertices[i]) & mask;
@@ -198,8 +198,8 @@ WideBvh build_wide_bvh(std::span<const vec3> vertices, std::span<const Corners> 
     for (const vec3& v : vertices) largest = std::max({largest, std::abs(v.x), std::abs(v.y), std::abs(v.z)});
     out.scale = wide_scale_for(largest);
 
-    std::vector<SahItem> items(triangles.size());
-    std::vector<Corners> corners(triangles.size());
+    HugePageVector<SahItem> items(triangles.size());
+    HugePageVector<Corners> corners(triangles.size());
     executor.parallel_for(triangles.size(), 4096, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             const Corners& t = triangles[i];
@@ -209,7 +209,7 @@ WideBvh build_wide_bvh(std::span<const vec3> vertices, std::span<const Corners> 
             const vec3 lower = glm::min(a, glm::min(b, c));
             const vec3 upper = glm::max(a, glm::max(b, c));
             corners[i] = {welded[t[0]], welded[t[1]], welded[t[2]]};
-            items[i] = {{lower.x, lower.y, lower.z}, static_cast<std::uint32_t>(i), {-upper.x, -upper.y, -upper.z}, 0.0f};
+            items[i] = {{lower.x, lower.y, lower.z}, static_cast<std::uint32_t>(i) | SahItem::kTag, {-upper.x, -upper.y, -upper.z}, 0.0f};
         }
     });
     const SahTree tree = build_sah_tree(std::move(items), corners, executor);

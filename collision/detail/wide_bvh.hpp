@@ -15,6 +15,7 @@
 //  - The root is a node, even over one leaf. Parents stand before their children in `lines`. Depth is at most kMaxDepth.
 #pragma once
 
+#include <carom/collision/detail/huge_page_allocator.hpp>
 #include <carom/core/types.hpp>
 
 #include <array>
@@ -60,7 +61,7 @@ struct WideBvh {
         std::byte bytes[64];
     };
 
-    std::vector<Line> lines;      ///< the root's node first
+    HugePageVector<Line> lines;  ///< the root's node first
     std::size_t node_count = 0;
     std::size_t leaf_count = 0;
     std::size_t triangle_count = 0;

@@ -31,6 +31,9 @@
 #include <carom/collision/detail/wide_bvh.hpp>
 #include <carom/collision/primitives.hpp>
 
+#include <algorithm>
+#include <bit>
+#include <cmath>
 #include <cstdint>
 
 namespace carom {
@@ -38,6 +41,7 @@ namespace carom {
 struct WideRay {
     static constexpr float kPad = 28.0f * 0x1p-24f;
     static constexpr float kLeastComponent = 1e-18f;
+    static constexpr float kFar = 8.0f;  ///< sizes of the mesh from which an origin is moved
 
     float origin[3];
     float inverse[3];
@@ -58,10 +62,73 @@ struct WideRay {
     }
 };
 
+/// Prepares a ray in double whose origin need not be near; out.t_max is rounded up.
 /// @return false where the ray is bad input or surely misses.
-[[nodiscard]] bool prepare(const WideBvh& tree, const geo::Ray<float>& ray, WideRay& out) noexcept;
-
-/// The same for a ray in double whose origin need not be near; out.t_max is rounded up.
 [[nodiscard]] bool prepare(const WideBvh& tree, const geo::Ray<double>& ray, WideRay& out) noexcept;
+
+/// The largest distance along an axis from `origin` to the tree's box.
+inline float reach_of(const WideBvh& tree, const float* origin) noexcept {
+    float reach = 0.0f;
+    for (int k = 0; k < 3; ++k) {
+        reach = std::max(reach, std::max(std::abs(tree.lower[k] - origin[k]), std::abs(tree.upper[k] - origin[k])));
+    }
+    return reach;
+}
+
+inline std::int32_t largest_axis(float x, float y, float z) noexcept {
+    const std::int32_t xy = x >= y ? 0 : 1;
+    return (x >= y ? x : y) >= z ? xy : 2;
+}
+
+/// Sets all but bounds and units. @param d  largest component in [1, 2).
+inline void set_up(const float* origin, const float* d, std::int32_t z, float reach, WideRay& out) noexcept {
+    const float largest = std::max({std::abs(origin[0]), std::abs(origin[1]), std::abs(origin[2])});
+    const float pad = WideRay::kPad * (reach + largest);
+    out.image_error = 0.5f * pad;
+    for (int k = 0; k < 3; ++k) {
+        const float component = std::copysign(std::max(std::abs(d[k]), WideRay::kLeastComponent), d[k]);
+        const float inverse = 1.0f / component;
+        const float side = std::copysign(pad, component);
+        out.origin[k] = origin[k];
+        out.inverse[k] = inverse;
+        out.near[k] = -(origin[k] + side) * inverse;
+        out.far[k] = -(origin[k] - side) * inverse;
+        out.back[k] = std::signbit(component) ? 1 : 0;
+    }
+    const std::int32_t x = z == 2 ? 0 : z + 1;
+    const std::int32_t y = x == 2 ? 0 : x + 1;
+    out.axis[0] = x, out.axis[1] = y, out.axis[2] = z;
+    out.depth = out.inverse[z];
+    out.shear[0] = d[x] * out.depth;
+    out.shear[1] = d[y] * out.depth;
+}
+
+/// The same for a ray in float.
+[[nodiscard]] inline bool prepare(const WideBvh& tree, const geo::Ray<float>& ray, WideRay& out) noexcept {
+    const float* o = &ray.origin.x;
+    const float* d = &ray.direction.x;
+    const std::int32_t z = largest_axis(std::abs(d[0]), std::abs(d[1]), std::abs(d[2]));
+    const std::uint32_t exponent = (std::bit_cast<std::uint32_t>(d[z]) >> 23) & 0xffu;
+    const float reach = reach_of(tree, o);
+    const float size = std::max({tree.upper.x - tree.lower.x, tree.upper.y - tree.lower.y, tree.upper.z - tree.lower.z});
+    const float sum = ((o[0] + o[1]) + (o[2] + d[0])) + (d[1] + d[2]);  // not finite where a component is not
+    const bool plain = (sum - sum == 0.0f) & (exponent - 64u < 127u) & (reach <= WideRay::kFar * size) & (tree.scale == 1.0f) &
+                       (ray.t_min >= 0.0f) & (ray.t_min <= ray.t_max);
+    if (!plain) {
+        // In double, which has room for every case; its bounds are of the nearest float.
+        const geo::Ray<double> wide{dvec3(ray.origin), dvec3(ray.direction), static_cast<double>(ray.t_min),
+                                    static_cast<double>(ray.t_max)};
+        return prepare(tree, wide, out);
+    }
+    const float shrink = std::bit_cast<float>((254u - exponent) << 23);  // 1 over the power of two in d_z
+    const float grow = std::bit_cast<float>(exponent << 23);
+    const float direction[3] = {d[0] * shrink, d[1] * shrink, d[2] * shrink};
+    set_up(o, direction, z, reach, out);
+    out.t_min = ray.t_min * grow + 0.0f;
+    out.t_max = ray.t_max * grow;
+    out.moved = 0.0;
+    out.unit = static_cast<double>(shrink);
+    return true;
+}
 
 }  // namespace carom
