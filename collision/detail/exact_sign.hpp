@@ -7,6 +7,7 @@
 #include <carom/core/types.hpp>
 
 #include <array>
+#include <cmath>
 #include <cstddef>
 
 namespace carom {
@@ -36,9 +37,10 @@ namespace carom {
     return product_error(a, b, p) - product_error(c, d, q);
 }
 
-/// @return the sign of the exact sum of `terms`, by an expansion of non-overlapping parts (Shewchuk 1997, Grow-Expansion).
+/// @return the sum of `terms` within 2 ulp, zero only where it is exactly zero, by an expansion of non-overlapping parts (Shewchuk
+/// 1997, Grow-Expansion).
 template <std::size_t N>
-[[nodiscard]] int sign_of_sum(const std::array<double, N>& terms) noexcept {
+[[nodiscard]] double accurate_sum(const std::array<double, N>& terms) noexcept {
     std::array<double, N> parts{};  // in ascending order of magnitude, zeros anywhere
     for (std::size_t n = 0; n < N; ++n) {
         double sum = terms[n];
@@ -51,12 +53,30 @@ template <std::size_t N>
         }
         parts[n] = sum;
     }
-    for (std::size_t n = N; n-- > 0;) {
-        if (parts[n] != 0.0) {
-            return parts[n] > 0.0 ? 1 : -1;
-        }
+    double total = 0.0;
+    for (const double part : parts) {
+        total += part;
     }
-    return 0;
+    return total;
+}
+
+/// @return the sign of the exact sum of `terms`.
+template <std::size_t N>
+[[nodiscard]] int sign_of_sum(const std::array<double, N>& terms) noexcept {
+    const double sum = accurate_sum(terms);
+    return (sum > 0.0 ? 1 : 0) - (sum < 0.0 ? 1 : 0);
+}
+
+/// @return dot(a, b) - c within 4 ulp of itself, zero only where it is exactly zero; products in the range of product_error.
+[[nodiscard]] inline double accurate_dot(const dvec3& a, const dvec3& b, double c) noexcept {
+    const dvec3 p = a * b;
+    const double sum = p.x + p.y + p.z - c;
+    const double size = std::abs(p.x) + std::abs(p.y) + std::abs(p.z) + std::abs(c);
+    if (std::abs(sum) > 0.25 * size) [[likely]] {
+        return sum;
+    }
+    const auto error = [&](int k) { return product_error(a[k], b[k], p[k]); };
+    return accurate_sum<7>({error(0), error(1), error(2), p.x, p.y, p.z, -c});
 }
 
 /// @return 1 if a, b, c turn counter-clockwise, -1 if clockwise, 0 if they are exactly collinear.
