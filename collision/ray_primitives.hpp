@@ -51,8 +51,8 @@ struct TriangleHit {
 /// The interval of a line in a solid, not cut to the ray's range.
 /// @return nothing where no point of the ray, t_min <= t <= t_max, is in the solid.
 ///
-/// Sphere: k = 4. From the point of closest approach (Haines, Günther, Akenine-Möller, in Ray Tracing Gems, 2019, ch. 7), which a
-/// second step improves; near the surface from the product of the roots, so that an origin that is exactly on it has t = 0.
+/// Sphere: k = 4. From the point of closest approach (Haines, Günther, Akenine-Möller, in Ray Tracing Gems, 2019, ch. 7);
+/// near the surface from the product of the roots, so that an origin that is exactly on it has t = 0.
 template <class T>
 [[nodiscard]] std::optional<RayInterval<T>> ray_interval(const Sphere<T>& sphere, const Ray<T>& ray) noexcept;
 /// Aabb: k = 2, where S is the distance of each face's plane from the origin: t has a relative error of 2 eps at most. Slabs (Kay and

@@ -20,11 +20,9 @@ std::optional<Chord> within_radius(const dvec3& from, const dvec3& along, double
     if (along_sq <= kParallel * direction_sq) {
         return outside <= 0.0 ? std::optional(Chord{}) : std::nullopt;
     }
-    const double coarse = -glm::dot(from, along) / along_sq;
-    dvec3 closest = from + coarse * along;
-    const double fine = -glm::dot(closest, along) / along_sq;
-    closest += fine * along;
-    const double middle = coarse + fine;
+    // From the point of closest approach: b² - 4ac would lose every digit for far origins.
+    const double middle = -glm::dot(from, along) / along_sq;
+    const dvec3 closest = from + middle * along;
     const double half_sq = radius * radius - glm::dot(closest, closest);
     if (!(half_sq >= 0.0)) {
         return std::nullopt;
@@ -202,12 +200,9 @@ std::optional<Chord> intersect(const Cylinder<double>& cylinder, const Line& lin
 
 std::optional<Chord> intersect(const Cone<double>& cone, const Line& line) noexcept {
     const dvec3& d = line.direction;
-    const double direction_sq = glm::dot(d, d);
     dvec3 from = line.origin - cone.tip;
-    const double coarse = -glm::dot(from, d) / direction_sq;
-    from += coarse * d;
-    const double fine = -glm::dot(from, d) / direction_sq;
-    from += fine * d;
+    const double approach = -glm::dot(from, d) / glm::dot(d, d);
+    from += approach * d;
     const AxisFrame f(from, d, cone.base_center - cone.tip);
     std::optional<Chord> chord = cone_chord(f, cone.radius);
     if (!chord || !cut(*chord, -f.height, 1.0 - f.height, f.climb, -f.axis, f.axis)) {
@@ -221,8 +216,8 @@ std::optional<Chord> intersect(const Cone<double>& cone, const Line& line) noexc
     };
     chord->normal_enter = chord->normal_enter == dvec3{0.0} ? side_normal(chord->enter) : chord->normal_enter;
     chord->normal_exit = chord->normal_exit == dvec3{0.0} ? side_normal(chord->exit) : chord->normal_exit;
-    chord->enter += coarse + fine;
-    chord->exit += coarse + fine;
+    chord->enter += approach;
+    chord->exit += approach;
     return chord;
 }
 

@@ -92,6 +92,29 @@ TYPED_TEST(RayPrimitives, TheRangeIsClosedAtBothEnds) {
     });
 }
 
+TYPED_TEST(RayPrimitives, RaysAtTheTipOfAConeAndAlongItsSide) {
+    using T = TypeParam;
+    Random random(4103);
+    for (int i = 0; i < 200; ++i) {
+        const auto number = [&] { return static_cast<T>(random.range(-2.0, 2.0)); };
+        const T z = number();
+        const geo::Cone<T> cone{{number(), number(), z}, {number(), number(), number()}, std::abs(number())};
+        geo::Ray<T> ray{.origin = {number(), number(), T(5)}};
+        const T beside = std::ldexp(T(1), -i % 60);
+        ray.direction = cone.tip + (i % 2 == 0 ? T(0) : beside) * geo::Vec3<T>{number(), number(), T(0)} - ray.origin;
+        EXPECT_EQ(test::solid_fault(cone, ray), "") << i;
+    }
+    // Sides at 45 degrees and rays along them, for which the quadratic has one root only.
+    const geo::Cone<T> steep{{T(0), T(1), T(0)}, {T(0), T(-1), T(0)}, T(2)};
+    for (const T x : {T(-3), T(-1), T(-0.5), T(0), T(0.5), T(3)}) {
+        for (const T way : {T(1), T(-1)}) {
+            const geo::Ray<T> ray{{x, T(0), T(0)}, {way, way, T(0)}, T(-9), T(9)};
+            EXPECT_EQ(test::solid_fault(steep, ray), "") << x << ' ' << way;
+            EXPECT_EQ(geo::ray_interval(steep, ray).has_value(), x >= T(-1) && x <= T(3)) << x;
+        }
+    }
+}
+
 TYPED_TEST(RayPrimitives, NormalsAreThoseOfTheSurface) {
     using T = TypeParam;
     const T tolerance = T(16) * std::numeric_limits<T>::epsilon();
