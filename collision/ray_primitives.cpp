@@ -1,9 +1,9 @@
 #include <carom/collision/detail/ray_solids.hpp>
 #include <carom/collision/detail/ray_surfaces.hpp>
+#include <carom/collision/detail/widen.hpp>
 #include <carom/collision/ray_primitives.hpp>
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -30,10 +30,7 @@ bool is_valid(const Ray<T>& ray) {
 
 // ------------------------------------------------------------------ every float as a double, every double in the range of squares
 
-/// The scalars of a shape in order; what is not a length is told apart by kLengths, a bit for each.
-template <template <class> class Shape, class T>
-using Scalars = std::array<T, sizeof(Shape<T>) / sizeof(T)>;
-
+/// Which of a shape's numbers are lengths: a bit for each.
 template <template <class> class Shape>
 inline constexpr unsigned kLengths = ~0u;
 template <>
@@ -42,8 +39,6 @@ template <>
 inline constexpr unsigned kLengths<Plane> = 0b1'000u;
 template <>
 inline constexpr unsigned kLengths<Disc> = 0b1'000'111u;
-
-double largest(const dvec3& v) { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
 /// @return 0 for sizes of which products of four stay in range, otherwise the power of two that brings `size` near 1. Held back
 /// from powers that double lacks, which are still enough to bring any size into range.
@@ -94,10 +89,8 @@ struct Scene {
 /// @return nothing where the ray or the shape is refused.
 template <template <class> class Shape, class T>
 std::optional<Scene<Shape, T>> prepare(const Shape<T>& given, const Ray<T>& ray) {
-    const auto scalars = std::bit_cast<Scalars<Shape, T>>(given);
-    Scalars<Shape, double> wide{};
-    std::ranges::transform(scalars, wide.begin(), [](T x) { return static_cast<double>(x); });
-    auto shape = std::bit_cast<Shape<double>>(wide);
+    Shape<double> shape = widened(given);
+    auto wide = std::bit_cast<Scalars<Shape, double>>(shape);
     if (!is_valid(ray) || !std::ranges::all_of(wide, [](double x) { return is_finite(x); }) || !is_valid(shape)) {
         return std::nullopt;
     }
