@@ -1,6 +1,7 @@
 #include <carom/collision/bvh_queries.hpp>
 
 #include <carom/collision/closest_points.hpp>
+#include <carom/collision/convex_hull.hpp>
 #include <carom/collision/detail/wide_bvh.hpp>
 #include <carom/collision/detail/wide_volume.hpp>
 #include <carom/collision/overlap_tests.hpp>
@@ -12,11 +13,14 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
+#include <vector>
 
 namespace carom {
 namespace {
 
 constexpr double kFloatUnit = 0x1p-24;
+constexpr double kFarthest = 1e30;  // beyond every tree: scaled, still a float
 constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 float at_most(double x) noexcept {
@@ -169,7 +173,7 @@ void overlapping_triangles(const StaticBvh& bvh, const ConvexHull& hull, const P
             cutter.start({inverse_transform_point(pose, t.a), inverse_transform_point(pose, t.b), inverse_transform_point(pose, t.c)});
             const double doubt = 0x1p-48 * glm::length(pose.position);
             bool met = true;
-            for (const ConvexHull::Face& face : hull.faces()) met = met && cutter.cut(dvec3(face.normal), face_offset(hull, face) + doubt);
+            for (const ConvexHull::Face& face : hull.faces()) met = met && cutter.cut(face.normal, face.offset + doubt);
             if (met && !visit(leaf.triangle[k])) return false;
         }
         return true;

@@ -21,8 +21,9 @@ bool is_usable(const Aabb<double>& b) {
     return is_usable(b.lower) && is_usable(b.upper) && glm::all(glm::lessThanEqual(b.lower, b.upper));
 }
 bool is_usable(const Obb<double>& b) {
-    return is_usable(b.center) && is_usable(b.half_extents) && glm::all(glm::greaterThanEqual(b.half_extents, dvec3{0.0})) &&
-           is_usable(b.axes[0]) && is_usable(b.axes[1]) && is_usable(b.axes[2]);
+    return is_usable(b.center) && is_usable(b.half_extents) &&
+           glm::all(glm::greaterThanEqual(b.half_extents, dvec3{0.0})) && is_usable(b.axes[0]) &&
+           is_usable(b.axes[1]) && is_usable(b.axes[2]);
 }
 
 Plane<double> flipped(const Plane<double>& p) { return {-p.normal, -p.offset}; }
@@ -48,7 +49,9 @@ struct Part {
 };
 
 /// Between a and b, at `t` from a, never beyond either on any axis.
-dvec3 between(const dvec3& a, const dvec3& b, double t) { return glm::clamp(a + t * (b - a), glm::min(a, b), glm::max(a, b)); }
+dvec3 between(const dvec3& a, const dvec3& b, double t) {
+    return glm::clamp(a + t * (b - a), glm::min(a, b), glm::max(a, b));
+}
 
 template <class T>
 ClippedSegment<T> cut_to(const Segment<T>& segment, const Part& part) {
@@ -70,7 +73,8 @@ bool keep_below(Part& part, const Plane<double>& plane, const dvec3& a, const dv
 
 }  // namespace
 
-// --------------------------------------------------------------------------------------------------------------------- segments
+// ---------------------------------------------------------------------------------------------------------------------
+// segments
 
 template <class T>
 std::optional<ClippedSegment<T>> clip(const Segment<T>& segment, const Plane<T>& below) noexcept {
@@ -80,7 +84,9 @@ std::optional<ClippedSegment<T>> clip(const Segment<T>& segment, const Plane<T>&
 template <class T>
 std::optional<ClippedSegment<T>> clip(const Segment<T>& segment, std::span<const Plane<T>> planes) noexcept {
     Part part;
-    const auto keep = [&](const Plane<T>& p) { return keep_below(part, widened(p), dvec3(segment.a), dvec3(segment.b)); };
+    const auto keep = [&](const Plane<T>& p) {
+        return keep_below(part, widened(p), dvec3(segment.a), dvec3(segment.b));
+    };
     if (!is_usable(segment) || !std::ranges::all_of(planes, keep)) {
         return std::nullopt;
     }
@@ -90,7 +96,9 @@ std::optional<ClippedSegment<T>> clip(const Segment<T>& segment, std::span<const
 template <class T>
 std::optional<ClippedSegment<T>> clip(const Segment<T>& segment, const Frustum<T>& frustum) noexcept {
     Part part;
-    const auto keep = [&](const Plane<T>& p) { return keep_below(part, flipped(widened(p)), dvec3(segment.a), dvec3(segment.b)); };
+    const auto keep = [&](const Plane<T>& p) {
+        return keep_below(part, flipped(widened(p)), dvec3(segment.a), dvec3(segment.b));
+    };
     if (!is_usable(segment) || !std::ranges::all_of(frustum.planes, keep)) {
         return std::nullopt;
     }
@@ -146,7 +154,8 @@ std::optional<ClippedSegment<T>> clip(const Segment<T>& segment, const Obb<T>& b
     return cut_to(segment, part);
 }
 
-// --------------------------------------------------------------------------------------------------------------------- polygons
+// ---------------------------------------------------------------------------------------------------------------------
+// polygons
 
 /// Copies the polygon, which may be the last result.
 template <class T>
@@ -164,7 +173,8 @@ std::span<const Vec3<T>> PolygonClipper<T>::result() {
     return corners_;
 }
 
-/// Keeps where `height` is <= 0. A cut is always measured from the corner inside, so that it does not depend on the polygon's turn.
+/// Keeps where `height` is <= 0. A cut is always measured from the corner inside, so that it does not depend on the
+/// polygon's turn.
 template <class T>
 template <class Height, class Settle>
 void PolygonClipper<T>::cut_by(Height height, Settle settle) {
@@ -272,11 +282,11 @@ std::span<const Vec3<T>> PolygonClipper<T>::clip(std::span<const Vec3<T>> polygo
 template class PolygonClipper<float>;
 template class PolygonClipper<double>;
 
-#define CAROM_CLIPPING(T)                                                                                                \
-    template std::optional<ClippedSegment<T>> clip(const Segment<T>&, const Plane<T>&) noexcept;                         \
-    template std::optional<ClippedSegment<T>> clip(const Segment<T>&, std::span<const Plane<T>>) noexcept;               \
-    template std::optional<ClippedSegment<T>> clip(const Segment<T>&, const Aabb<T>&) noexcept;                          \
-    template std::optional<ClippedSegment<T>> clip(const Segment<T>&, const Obb<T>&) noexcept;                           \
+#define CAROM_CLIPPING(T)                                                                                  \
+    template std::optional<ClippedSegment<T>> clip(const Segment<T>&, const Plane<T>&) noexcept;           \
+    template std::optional<ClippedSegment<T>> clip(const Segment<T>&, std::span<const Plane<T>>) noexcept; \
+    template std::optional<ClippedSegment<T>> clip(const Segment<T>&, const Aabb<T>&) noexcept;            \
+    template std::optional<ClippedSegment<T>> clip(const Segment<T>&, const Obb<T>&) noexcept;             \
     template std::optional<ClippedSegment<T>> clip(const Segment<T>&, const Frustum<T>&) noexcept;
 CAROM_CLIPPING(float)
 CAROM_CLIPPING(double)

@@ -32,8 +32,9 @@ Plane<T> plane_at(const dvec3& normal, const dvec3& point, double beyond) {
 template <class T>
 Status validate(const Camera<T>& c) {
     const T infinity = std::numeric_limits<T>::infinity();
-    const bool finite = is_finite(c.position) && is_finite(c.forward) && is_finite(c.up) && is_finite(c.fovy) && is_finite(c.aspect) &&
-                        is_finite(c.near_distance) && (is_finite(c.far_distance) || c.far_distance == infinity);
+    const bool finite = is_finite(c.position) && is_finite(c.forward) && is_finite(c.up) && is_finite(c.fovy) &&
+                        is_finite(c.aspect) && is_finite(c.near_distance) &&
+                        (is_finite(c.far_distance) || c.far_distance == infinity);
     if (!finite) {
         return Error{ErrorCode::NotFinite, "the camera has a field that is not finite", kWhere};
     }
@@ -140,11 +141,11 @@ Containment classify(const Frustum<T>& frustum, const Obb<T>& box) noexcept {
     return contain(frustum, widened(box));
 }
 
-#define CAROM_FRUSTUM(T)                                                                    \
-    template Result<Frustum<T>> frustum_of(const Camera<T>&);                               \
-    template Result<Frustum<T>> frustum_of(const glm::mat<4, 4, T>&, ClipDepth);            \
-    template Containment classify(const Frustum<T>&, const Sphere<T>&) noexcept;            \
-    template Containment classify(const Frustum<T>&, const Aabb<T>&) noexcept;              \
+#define CAROM_FRUSTUM(T)                                                         \
+    template Result<Frustum<T>> frustum_of(const Camera<T>&);                    \
+    template Result<Frustum<T>> frustum_of(const glm::mat<4, 4, T>&, ClipDepth); \
+    template Containment classify(const Frustum<T>&, const Sphere<T>&) noexcept; \
+    template Containment classify(const Frustum<T>&, const Aabb<T>&) noexcept;   \
     template Containment classify(const Frustum<T>&, const Obb<T>&) noexcept;
 CAROM_FRUSTUM(float)
 CAROM_FRUSTUM(double)

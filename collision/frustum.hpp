@@ -13,8 +13,8 @@
 
 namespace carom::geo {
 
-/// The points above all six planes: their normals point inward and are of unit length, so that distances are in metres. A far plane at
-/// infinity has the normal 0 and the offset -1, above which everything is.
+/// The points above all six planes: their normals point inward and are of unit length, so that distances are in metres.
+/// A far plane at infinity has the normal 0 and the offset -1, above which everything is.
 template <class T>
 struct Frustum {
     std::array<Plane<T>, 6> planes;  ///< left, right, bottom, top, near, far
@@ -35,27 +35,31 @@ struct Camera {
 /// Which z a projection maps the near and far planes to.
 enum class ClipDepth {
     MinusOneToOne,  ///< OpenGL
-    ZeroToOne,      ///< Direct3D, Vulkan, Metal; reversed z too, where left to top are as usual and near and far change places
+    ZeroToOne,      ///< Direct3D, Vulkan, Metal; reversed z too, where left to top are as usual and near and far change
+                    ///< places
 };
 
 enum class Containment { Outside, Across, Inside };
 
 /// @return NotFinite, InvalidArgument (a field out of its range) or Degenerate (`forward` is zero or along `up`).
-/// Accuracy: the planes are those of the camera to 4 eps of T in the normal, and 4 eps of |position| + distance in the offset.
+/// Accuracy: the planes are those of the camera to 4 eps of T in the normal, and 4 eps of |position| + distance in the
+/// offset.
 template <class T>
 [[nodiscard]] Result<Frustum<T>> frustum_of(const Camera<T>& camera);
 
-/// @param view_projection  from the frame that the planes shall be in to clip coordinates, for column vectors as GLM has it.
+/// @param view_projection  from the frame that the planes shall be in to clip coordinates, for column vectors as GLM
+/// has it.
 /// @return NotFinite, or Degenerate where a plane has neither a direction nor everything above it.
 /// Accuracy: the planes are those of the matrix to 4 eps of T.
 /// Source: Gribb and Hartmann, Fast Extraction of Viewing Frustum Planes (2001).
 template <class T>
-[[nodiscard]] Result<Frustum<T>> frustum_of(const glm::mat<4, 4, T>& view_projection, ClipDepth depth = ClipDepth::MinusOneToOne);
+[[nodiscard]] Result<Frustum<T>> frustum_of(const glm::mat<4, 4, T>& view_projection,
+                                            ClipDepth depth = ClipDepth::MinusOneToOne);
 
-/// Conservative: nothing that overlaps the frustum's planes' volume is Outside, and nothing is Inside unless all of it is; rounding
-/// is on the side of Across. What lies beyond an edge or corner but not wholly beyond one plane is Across too.
-/// Bad input (NaN, inverted boxes, negative radii): Across. Cost: O(1), no allocation, thread-safe.
-/// Source: Greene, Detecting Intersection of a Rectangular Solid and a Convex Polyhedron (Graphics Gems IV, 1994).
+/// Conservative: nothing that overlaps the frustum's planes' volume is Outside, and nothing is Inside unless all of it
+/// is; rounding is on the side of Across. What lies beyond an edge or corner but not wholly beyond one plane is Across
+/// too. Bad input (NaN, inverted boxes, negative radii): Across. Cost: O(1), no allocation, thread-safe. Source:
+/// Greene, Detecting Intersection of a Rectangular Solid and a Convex Polyhedron (Graphics Gems IV, 1994).
 template <class T>
 [[nodiscard]] Containment classify(const Frustum<T>& frustum, const Sphere<T>& sphere) noexcept;
 template <class T>

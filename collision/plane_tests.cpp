@@ -77,18 +77,18 @@ Side side_of(const Plane<T>& plane, std::span<const Vec3<T>> hull, T margin) noe
 template Side side_of(const Plane<float>&, std::span<const Vec3<float>>, float) noexcept;
 template Side side_of(const Plane<double>&, std::span<const Vec3<double>>, double) noexcept;
 
-#define CAROM_PLANE_TESTS(Shape)                                                             \
-    template <class T>                                                                       \
-    Extent<T> extent(const Plane<T>& plane, const Shape<T>& shape) noexcept {                \
-        return narrowed(plane, shape);                                                       \
-    }                                                                                        \
-    template <class T>                                                                       \
-    Side side_of(const Plane<T>& plane, const Shape<T>& shape, T margin) noexcept {          \
-        return side(plane, shape, margin);                                                   \
-    }                                                                                        \
-    template Extent<float> extent(const Plane<float>&, const Shape<float>&) noexcept;        \
-    template Extent<double> extent(const Plane<double>&, const Shape<double>&) noexcept;     \
-    template Side side_of(const Plane<float>&, const Shape<float>&, float) noexcept;         \
+#define CAROM_PLANE_TESTS(Shape)                                                         \
+    template <class T>                                                                   \
+    Extent<T> extent(const Plane<T>& plane, const Shape<T>& shape) noexcept {            \
+        return narrowed(plane, shape);                                                   \
+    }                                                                                    \
+    template <class T>                                                                   \
+    Side side_of(const Plane<T>& plane, const Shape<T>& shape, T margin) noexcept {      \
+        return side(plane, shape, margin);                                               \
+    }                                                                                    \
+    template Extent<float> extent(const Plane<float>&, const Shape<float>&) noexcept;    \
+    template Extent<double> extent(const Plane<double>&, const Shape<double>&) noexcept; \
+    template Side side_of(const Plane<float>&, const Shape<float>&, float) noexcept;     \
     template Side side_of(const Plane<double>&, const Shape<double>&, double) noexcept;
 CAROM_PLANE_TESTS(Sphere)
 CAROM_PLANE_TESTS(Aabb)

@@ -5,11 +5,13 @@
 //   float depth = -geo::extent(floor, ball).lowest;
 //
 // Distances are dot(normal, x) - offset: metres where the normal is of unit length, otherwise metres times its length.
-//   Accuracy   computed in double, float rounded once. Points, triangles, hulls and AABBs: distances within 4 ulp of double, and sides
-//              with margin 0 always right. Spheres, capsules, OBBs: sides are those of the exact plane moved by at most 12 eps of
-//              the shape's size (radius, half diagonal) and its distance; eps is that of double, far from the world's origin too.
-//              Pinned in tests/collision/plane_tests_test.cpp.
-//   Bad input  NaN anywhere, an inverted box, a negative radius or half extent, an empty hull: Across, and NaN for distances. Numbers
+//   Accuracy   computed in double, float rounded once. Points, triangles, hulls and AABBs: distances within 4 ulp of
+//   double, and sides
+//              with margin 0 always right. Spheres, capsules, OBBs: sides are those of the exact plane moved by at most
+//              12 eps of the shape's size (radius, half diagonal) and its distance; eps is that of double, far from the
+//              world's origin too. Pinned in tests/collision/plane_tests_test.cpp.
+//   Bad input  NaN anywhere, an inverted box, a negative radius or half extent, an empty hull: Across, and NaN for
+//   distances. Numbers
 //              above 1e150 in double may count as such, and below 1e-150 the sign is no longer exact.
 //   Cost       O(1), hull O(n); no allocation, thread-safe.
 #pragma once
@@ -36,8 +38,8 @@ struct Extent {
 template <class T>
 [[nodiscard]] T signed_distance(const Plane<T>& plane, const Vec3<T>& point) noexcept;
 
-/// By the vertices farthest against and along the normal for boxes (n- and p-vertex; Greene 1994), by the normal's components along
-/// its axes for an OBB, by the center or the ends and the radius for spheres and capsules.
+/// By the vertices farthest against and along the normal for boxes (n- and p-vertex; Greene 1994), by the normal's
+/// components along its axes for an OBB, by the center or the ends and the radius for spheres and capsules.
 template <class T>
 [[nodiscard]] Extent<T> extent(const Plane<T>& plane, const Sphere<T>& sphere) noexcept;
 template <class T>

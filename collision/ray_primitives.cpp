@@ -11,7 +11,8 @@
 namespace carom::geo {
 namespace {
 
-// ------------------------------------------------------------------------------------- what is refused, besides NaN and infinity
+// ------------------------------------------------------------------------------------- what is refused, besides NaN
+// and infinity
 
 bool is_valid(const Sphere<double>& s) { return s.radius >= 0.0; }
 bool is_valid(const Aabb<double>& b) { return glm::all(glm::lessThanEqual(b.lower, b.upper)); }
@@ -25,10 +26,12 @@ bool is_valid(const Triangle<double>&) { return true; }
 
 template <class T>
 bool is_valid(const Ray<T>& ray) {
-    return is_finite(ray.origin) && is_finite(ray.direction) && ray.direction != Vec3<T>{T(0)} && ray.t_min <= ray.t_max;
+    return is_finite(ray.origin) && is_finite(ray.direction) && ray.direction != Vec3<T>{T(0)} &&
+           ray.t_min <= ray.t_max;
 }
 
-// ------------------------------------------------------------------ every float as a double, every double in the range of squares
+// ------------------------------------------------------------------ every float as a double, every double in the range
+// of squares
 
 /// Which of a shape's numbers are lengths: a bit for each.
 template <template <class> class Shape>
@@ -40,8 +43,8 @@ inline constexpr unsigned kLengths<Plane> = 0b1'000u;
 template <>
 inline constexpr unsigned kLengths<Disc> = 0b1'000'111u;
 
-/// @return 0 for sizes of which products of four stay in range, otherwise the power of two that brings `size` near 1. Held back
-/// from powers that double lacks, which are still enough to bring any size into range.
+/// @return 0 for sizes of which products of four stay in range, otherwise the power of two that brings `size` near 1.
+/// Held back from powers that double lacks, which are still enough to bring any size into range.
 int excess(double size) {
     if ((size > 0x1p-150 && size < 0x1p150) || size == 0.0) [[likely]] {
         return 0;
@@ -111,7 +114,8 @@ std::optional<Scene<Shape, T>> prepare(const Shape<T>& given, const Ray<T>& ray)
     return Scene<Shape, T>{shape, scaled};
 }
 
-// ---------------------------------------------------------------------------------------------------------------------- results
+// ----------------------------------------------------------------------------------------------------------------------
+// results
 
 dvec3 unit(const dvec3& v) {
     const dvec3 scaled = v * std::ldexp(1.0, -excess(largest(v)));
@@ -169,7 +173,8 @@ std::optional<RayHit<T>> first_hit(const Shape& shape, const Ray<T>& ray) {
 
 /// The crossing of a surface as a hit, with its normal turned against the ray.
 template <class T>
-std::optional<TriangleHit<T>> surface_hit(const std::optional<Crossing>& crossing, const ScaledLine& scaled, const Ray<T>& ray) {
+std::optional<TriangleHit<T>> surface_hit(const std::optional<Crossing>& crossing, const ScaledLine& scaled,
+                                          const Ray<T>& ray) {
     if (!crossing) {
         return std::nullopt;
     }
@@ -180,7 +185,8 @@ std::optional<TriangleHit<T>> surface_hit(const std::optional<Crossing>& crossin
     }
     const dvec3 back = -unit(scaled.line.direction);
     const dvec3 normal = unit_or(crossing->normal, back);
-    return TriangleHit<T>{static_cast<T>(t), Vec3<T>(glm::dot(normal, back) < 0.0 ? -normal : normal), Vec3<T>(crossing->weights)};
+    return TriangleHit<T>{static_cast<T>(t), Vec3<T>(glm::dot(normal, back) < 0.0 ? -normal : normal),
+                          Vec3<T>(crossing->weights)};
 }
 
 template <class T>
@@ -226,21 +232,21 @@ std::optional<RayHit<T>> cast_ray_polygon(std::span<const Vec3<T>> corners, cons
     return without_weights(surface_hit(cross(corners, scaled.length_scale, scaled.line), scaled, ray));
 }
 
-#define CAROM_SOLID(Shape)                                                                          \
-    template <class T>                                                                              \
-    std::optional<RayInterval<T>> ray_interval(const Shape<T>& solid, const Ray<T>& ray) noexcept { \
-        return interval(solid, ray);                                                                \
-    }                                                                                               \
+#define CAROM_SOLID(Shape)                                                                                    \
+    template <class T>                                                                                        \
+    std::optional<RayInterval<T>> ray_interval(const Shape<T>& solid, const Ray<T>& ray) noexcept {           \
+        return interval(solid, ray);                                                                          \
+    }                                                                                                         \
     template std::optional<RayInterval<float>> ray_interval(const Shape<float>&, const Ray<float>&) noexcept; \
     template std::optional<RayInterval<double>> ray_interval(const Shape<double>&, const Ray<double>&) noexcept;
-#define CAROM_CAST(Shape)                                                                           \
-    template <class T>                                                                              \
-    std::optional<RayHit<T>> cast_ray(const Shape<T>& solid, const Ray<T>& ray) noexcept {          \
-        return first_hit(solid, ray);                                                               \
-    }                                                                                               \
+#define CAROM_CAST(Shape)                                                                  \
+    template <class T>                                                                     \
+    std::optional<RayHit<T>> cast_ray(const Shape<T>& solid, const Ray<T>& ray) noexcept { \
+        return first_hit(solid, ray);                                                      \
+    }                                                                                      \
     CAROM_INSTANCES(Shape, RayHit)
-#define CAROM_INSTANCES(Shape, Hit)                                                                 \
-    template std::optional<Hit<float>> cast_ray(const Shape<float>&, const Ray<float>&) noexcept;   \
+#define CAROM_INSTANCES(Shape, Hit)                                                               \
+    template std::optional<Hit<float>> cast_ray(const Shape<float>&, const Ray<float>&) noexcept; \
     template std::optional<Hit<double>> cast_ray(const Shape<double>&, const Ray<double>&) noexcept;
 
 CAROM_SOLID(Sphere)

@@ -5,16 +5,18 @@
 //   if (auto inside = geo::ray_interval(ball, ray)) { inside->t_enter; inside->t_exit; }
 //
 // For all of them:
-//   t          counts lengths of the ray's direction; a t that double (float) cannot hold is infinite, and never that of a hit.
-//   Verdict    solids are closed: what touches, hits. A hit has t_min <= t <= t_max.
-//   Bad input  NaN or infinity in origin, direction or shape, a zero direction, t_min > t_max, an inverted box, a negative radius,
-//              and what primitives.hpp forbids for a shape (a cylinder of no height, a zero normal): no hit. Never a NaN in a result.
-//              -0 is 0; t_min and t_max may be infinite.
-//   Accuracy   in double, and float is computed in double and rounded once. Each function states k: the answer is that of the exact
-//              shape with its surface moved by at most k eps S, and t besides is rounded to T; eps is that of double (2.3e-16), S the
-//              distance of the ray's origin from the shape's center (tip, corner) plus the shape's size, plus, for underflow, 1e-120
-//              of the largest coordinate. So verdicts are exact outside of k eps S, near the world's origin and far from it. Pinned
-//              in tests/collision/ray_primitives_test.cpp against exact rationals.
+//   t          counts lengths of the ray's direction; a t that double (float) cannot hold is infinite, and never that
+//   of a hit. Verdict    solids are closed: what touches, hits. A hit has t_min <= t <= t_max. Bad input  NaN or
+//   infinity in origin, direction or shape, a zero direction, t_min > t_max, an inverted box, a negative radius,
+//              and what primitives.hpp forbids for a shape (a cylinder of no height, a zero normal): no hit. Never a
+//              NaN in a result. -0 is 0; t_min and t_max may be infinite.
+//   Accuracy   in double, and float is computed in double and rounded once. Each function states k: the answer is that
+//   of the exact
+//              shape with its surface moved by at most k eps S, and t besides is rounded to T; eps is that of double
+//              (2.3e-16), S the distance of the ray's origin from the shape's center (tip, corner) plus the shape's
+//              size, plus, for underflow, 1e-120 of the largest coordinate. So verdicts are exact outside of k eps S,
+//              near the world's origin and far from it. Pinned in tests/collision/ray_primitives_test.cpp against exact
+//              rationals.
 //   Cost       O(1), no allocation, thread-safe.
 #pragma once
 
@@ -51,12 +53,12 @@ struct TriangleHit {
 /// The interval of a line in a solid, not cut to the ray's range.
 /// @return nothing where no point of the ray, t_min <= t <= t_max, is in the solid.
 ///
-/// Sphere: k = 4. From the point of closest approach (Haines, Günther, Akenine-Möller, in Ray Tracing Gems, 2019, ch. 7);
-/// near the surface from the product of the roots, so that an origin that is exactly on it has t = 0.
+/// Sphere: k = 4. From the point of closest approach (Haines, Günther, Akenine-Möller, in Ray Tracing Gems, 2019, ch.
+/// 7); near the surface from the product of the roots, so that an origin that is exactly on it has t = 0.
 template <class T>
 [[nodiscard]] std::optional<RayInterval<T>> ray_interval(const Sphere<T>& sphere, const Ray<T>& ray) noexcept;
-/// Aabb: k = 2, where S is the distance of each face's plane from the origin: t has a relative error of 2 eps at most. Slabs (Kay and
-/// Kajiya 1986), divided rather than multiplied by a reciprocal, so that 0 * infinity does not come up.
+/// Aabb: k = 2, where S is the distance of each face's plane from the origin: t has a relative error of 2 eps at most.
+/// Slabs (Kay and Kajiya 1986), divided rather than multiplied by a reciprocal, so that 0 * infinity does not come up.
 template <class T>
 [[nodiscard]] std::optional<RayInterval<T>> ray_interval(const Aabb<T>& box, const Ray<T>& ray) noexcept;
 /// Obb: k = 4. Slabs in the box's own frame. Axes that are not orthonormal move the surface by as much as they are off.
@@ -68,17 +70,18 @@ template <class T>
 /// Cylinder: k = 8.
 template <class T>
 [[nodiscard]] std::optional<RayInterval<T>> ray_interval(const Cylinder<T>& cylinder, const Ray<T>& ray) noexcept;
-/// Cone: k = 8. The quadratic about the point closest to the tip, with the discriminant as a difference of two squares that both
-/// vanish towards the tip (Lagrange's identity), so that rays at the tip are as exact as others.
+/// Cone: k = 8. The quadratic about the point closest to the tip, with the discriminant as a difference of two squares
+/// that both vanish towards the tip (Lagrange's identity), so that rays at the tip are as exact as others.
 template <class T>
 [[nodiscard]] std::optional<RayInterval<T>> ray_interval(const Cone<T>& cone, const Ray<T>& ray) noexcept;
-/// The half-space below a plane: k = 4, where S is the distance of the hit from the ray's origin: t has a relative error of 4 eps, and
-/// the verdict is exact up to that. An end is infinite; both are where the line runs in the half-space.
+/// The half-space below a plane: k = 4, where S is the distance of the hit from the ray's origin: t has a relative
+/// error of 4 eps, and the verdict is exact up to that. An end is infinite; both are where the line runs in the
+/// half-space.
 template <class T>
 [[nodiscard]] std::optional<RayInterval<T>> ray_interval(const Plane<T>& below, const Ray<T>& ray) noexcept;
 
-/// First hit of a ray on a solid, by ray_interval(), whose k it has. A ray that starts inside or on the surface hits at t_min, with
-/// the normal against its direction.
+/// First hit of a ray on a solid, by ray_interval(), whose k it has. A ray that starts inside or on the surface hits at
+/// t_min, with the normal against its direction.
 template <class T>
 [[nodiscard]] std::optional<RayHit<T>> cast_ray(const Sphere<T>& sphere, const Ray<T>& ray) noexcept;
 template <class T>
@@ -99,20 +102,22 @@ template <class T>
 template <class T>
 [[nodiscard]] std::optional<RayHit<T>> cast_ray(const Disc<T>& disc, const Ray<T>& ray) noexcept;
 
-/// From either side, edges and corners included: k = 4, where S is the distance of each corner from the ray's origin. Watertight:
-/// triangles that share an edge or a corner leave no gap between them, whatever the ray. A ray in the triangle's plane misses it.
-/// The normal of a triangle without area is against the ray.
-/// Source: Woop, Benthin, Wald, Watertight Ray/Triangle Intersection (JCGT 2013). Departure: edge functions have exact signs and full
-/// relative precision, so that t is as good on needles as elsewhere.
+/// From either side, edges and corners included: k = 4, where S is the distance of each corner from the ray's origin.
+/// Watertight: triangles that share an edge or a corner leave no gap between them, whatever the ray. A ray in the
+/// triangle's plane misses it. The normal of a triangle without area is against the ray. Source: Woop, Benthin, Wald,
+/// Watertight Ray/Triangle Intersection (JCGT 2013). Departure: edge functions have exact signs and full relative
+/// precision, so that t is as good on needles as elsewhere.
 template <class T>
 [[nodiscard]] std::optional<TriangleHit<T>> cast_ray(const Triangle<T>& triangle, const Ray<T>& ray) noexcept;
 
-/// A flat polygon of n >= 3 corners in order, convex or not, from either side. Its plane is the one through the first corner with
-/// Newell's normal. Inside is where a line outward crosses its outline an odd number of times, counted in the plane of the two axes on
-/// which the normal is smallest; points on the outline are inside. A ray parallel to the plane misses it.
-/// k = 4 (1 + D²/A), with S the distance of the first corner from the ray's origin plus D, the polygon's diameter, and A its area.
+/// A flat polygon of n >= 3 corners in order, convex or not, from either side. Its plane is the one through the first
+/// corner with Newell's normal. Inside is where a line outward crosses its outline an odd number of times, counted in
+/// the plane of the two axes on which the normal is smallest; points on the outline are inside. A ray parallel to the
+/// plane misses it. k = 4 (1 + D²/A), with S the distance of the first corner from the ray's origin plus D, the
+/// polygon's diameter, and A its area.
 /// @return nothing also for fewer than 3 corners, or without area. Cost: O(n).
-/// Source: Haines, Point in Polygon Strategies (Graphics Gems IV, 1994), crossings test. Departure: the outline is closed.
+/// Source: Haines, Point in Polygon Strategies (Graphics Gems IV, 1994), crossings test. Departure: the outline is
+/// closed.
 template <class T>
 [[nodiscard]] std::optional<RayHit<T>> cast_ray_polygon(std::span<const Vec3<T>> corners, const Ray<T>& ray) noexcept;
 

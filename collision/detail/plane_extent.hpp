@@ -13,7 +13,8 @@
 
 namespace carom::geo {
 
-/// The range of dot(normal, x) - offset over a shape; each end is within `error` of the exact one, and has its sign where that is 0.
+/// The range of dot(normal, x) - offset over a shape; each end is within `error` of the exact one, and has its sign
+/// where that is 0.
 struct PlaneExtent {
     double lowest = std::numeric_limits<double>::infinity();
     double highest = -std::numeric_limits<double>::infinity();

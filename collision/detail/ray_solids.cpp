@@ -9,7 +9,8 @@
 namespace carom::geo {
 namespace {
 
-/// What remains of a direction across an axis is zero below this part of its square: a line that drifts aside by 2^-100 of its length.
+/// What remains of a direction across an axis is zero below this part of its square: a line that drifts aside by 2^-100
+/// of its length.
 constexpr double kParallel = 0x1p-200;
 
 /// The interval in which |from + t along| <= radius, of vectors in space or in the plane across an axis.
@@ -31,7 +32,8 @@ std::optional<Chord> within_radius(const dvec3& from, const dvec3& along, double
     Chord chord;
     chord.enter = middle - half;
     chord.exit = middle + half;
-    // An origin near the surface: the root there comes from the product of both, in which nothing cancels but what is given.
+    // An origin near the surface: the root there comes from the product of both, in which nothing cancels but what is
+    // given.
     if (half > 0.5 * std::abs(middle)) {
         if (middle >= 0.0 && chord.exit > 0.0) {
             chord.enter = std::min(outside / (along_sq * chord.exit), chord.exit);
@@ -44,7 +46,8 @@ std::optional<Chord> within_radius(const dvec3& from, const dvec3& along, double
 
 /// Cuts `chord` to low <= height + t rate <= high; the normals are those of the two ends.
 /// @return false where nothing remains.
-bool cut(Chord& chord, double to_low, double to_high, double rate, const dvec3& normal_low, const dvec3& normal_high) noexcept {
+bool cut(Chord& chord, double to_low, double to_high, double rate, const dvec3& normal_low,
+         const dvec3& normal_high) noexcept {
     if (rate == 0.0) {  // ±0: parallel
         return to_low <= 0.0 && to_high >= 0.0;
     }
@@ -119,7 +122,8 @@ std::optional<Chord> cone_chord(const AxisFrame& f, double radius) noexcept {
     if (a > 0.0 || (a == 0.0 && q != 0.0)) {  // 0: parallel to the side, so that one root is infinite
         chord.enter = low;
         chord.exit = high;
-    } else if (f.climb > 0.0) {  // steeper than the side: inside from one root on, in the other half of the double cone to the other
+    } else if (f.climb > 0.0) {  // steeper than the side: inside from one root on, in the other half of the double cone
+                                 // to the other
         chord.enter = high;
     } else {
         chord.exit = low;
@@ -144,7 +148,8 @@ std::optional<Chord> intersect(const Aabb<double>& box, const Line& line) noexce
     for (int k = 0; k < 3; ++k) {
         dvec3 normal{0.0};
         normal[k] = 1.0;
-        if (!cut(chord, box.lower[k] - line.origin[k], box.upper[k] - line.origin[k], line.direction[k], -normal, normal)) {
+        if (!cut(chord, box.lower[k] - line.origin[k], box.upper[k] - line.origin[k], line.direction[k], -normal,
+                 normal)) {
             return std::nullopt;
         }
     }
@@ -192,7 +197,8 @@ std::optional<Chord> intersect(const Cylinder<double>& cylinder, const Line& lin
     const AxisFrame f(line.origin - cylinder.axis.a, line.direction, cylinder.axis.b - cylinder.axis.a);
     std::optional<Chord> chord = cylinder_chord(f, cylinder.radius, glm::dot(line.direction, line.direction));
     if (chord) {
-        chord->normal_enter = chord->normal_enter == dvec3{0.0} ? f.across + chord->enter * f.drift : chord->normal_enter;
+        chord->normal_enter =
+            chord->normal_enter == dvec3{0.0} ? f.across + chord->enter * f.drift : chord->normal_enter;
         chord->normal_exit = chord->normal_exit == dvec3{0.0} ? f.across + chord->exit * f.drift : chord->normal_exit;
     }
     return chord;

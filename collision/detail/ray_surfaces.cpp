@@ -20,8 +20,9 @@ double exact_difference(double a, double b, double c, double d) noexcept {
     return difference + (product_error(a, b, p) - product_error(c, d, q));
 }
 
-/// Translated to the line's origin, axes permuted so that its largest component comes last, then sheared so that the line is the
-/// last axis. A corner's image depends on the line and the corner alone, hence is the same for every triangle round it.
+/// Translated to the line's origin, axes permuted so that its largest component comes last, then sheared so that the
+/// line is the last axis. A corner's image depends on the line and the corner alone, hence is the same for every
+/// triangle round it.
 class ShearedFrame {
 public:
     explicit ShearedFrame(const Line& line) noexcept : origin_(line.origin) {
@@ -108,7 +109,8 @@ std::optional<Crossing> cross(const Triangle<double>& triangle, const Line& line
     }
     const dvec3 weights = dvec3{u, v, w} / determinant;
     const double z = weights.x * p.z + weights.y * q.z + weights.z * r.z;
-    return Crossing{z / line.direction[frame.main_axis()], glm::cross(triangle.b - triangle.a, triangle.c - triangle.a), weights};
+    return Crossing{z / line.direction[frame.main_axis()], glm::cross(triangle.b - triangle.a, triangle.c - triangle.a),
+                    weights};
 }
 
 template <class T>

@@ -26,6 +26,8 @@ template <template <class> class Shape, class T>
     return std::bit_cast<Shape<double>>(wide);
 }
 
-[[nodiscard]] inline double largest(const dvec3& v) noexcept { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+[[nodiscard]] inline double largest(const dvec3& v) noexcept {
+    return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)});
+}
 
 }  // namespace carom::geo

@@ -2,8 +2,8 @@
 #include <carom/collision/clipping.hpp>
 #include <carom/core/random.hpp>
 
-#include <fuzz/clipping_check.hpp>
 #include <gtest/gtest.h>
+#include <fuzz/clipping_check.hpp>
 
 #include <array>
 #include <limits>
@@ -165,20 +165,23 @@ TYPED_TEST(Clipping, ACutRunsWhereItShould) {
     using T = TypeParam;
     const geo::Aabb<T> box{{T(0), T(0), T(0)}, {T(1), T(1), T(1)}};
     const geo::Segment<T> through{{T(-1), T(0.5), T(0.25)}, {T(3), T(0.5), T(0.25)}};
-    for (const auto& part : {geo::clip(through, box), geo::clip(through, geo::Obb<T>{{T(0.5), T(0.5), T(0.5)}, {T(0.5), T(0.5), T(0.5)}})}) {
+    for (const auto& part : {geo::clip(through, box),
+                             geo::clip(through, geo::Obb<T>{{T(0.5), T(0.5), T(0.5)}, {T(0.5), T(0.5), T(0.5)}})}) {
         ASSERT_TRUE(part);
         EXPECT_EQ(part->t_a, T(0.25));
         EXPECT_EQ(part->t_b, T(0.5));
         EXPECT_EQ(part->segment.a, (geo::Vec3<T>{T(0), T(0.5), T(0.25)}));
         EXPECT_EQ(part->segment.b, (geo::Vec3<T>{T(1), T(0.5), T(0.25)}));
     }
-    EXPECT_FALSE(geo::clip(geo::Segment<T>{{T(-1), T(0.5), T(0)}, {T(0.5), T(2.5), T(0)}}, box)) << "past the edge, no bit in common";
+    EXPECT_FALSE(geo::clip(geo::Segment<T>{{T(-1), T(0.5), T(0)}, {T(0.5), T(2.5), T(0)}}, box))
+        << "past the edge, no bit in common";
     EXPECT_EQ(geo::outcode(box, geo::Vec3<T>{T(-1), T(2), T(0.5)}), 0b001001u);
 }
 
 TYPED_TEST(Clipping, AFrustumCutsLikeItsPlanes) {
     using T = TypeParam;
-    const geo::Frustum<T> view = geo::frustum_of(geo::Camera<T>{.fovy = T(1.5707963), .near_distance = T(1), .far_distance = T(9)}).value();
+    const geo::Frustum<T> view =
+        geo::frustum_of(geo::Camera<T>{.fovy = T(1.5707963), .near_distance = T(1), .far_distance = T(9)}).value();
     const auto part = geo::clip(geo::Segment<T>{{T(0), T(0), T(3)}, {T(0), T(0), T(-13)}}, view);
     ASSERT_TRUE(part);
     EXPECT_EQ(part->segment.a.z, T(-1));
@@ -206,7 +209,8 @@ TYPED_TEST(Clipping, OfBadInputNothingIsKept) {
     EXPECT_FALSE(geo::clip(segment, inverted) || geo::clip(segment, negative) || geo::clip(segment, none));
     EXPECT_EQ(clipper.clip(triangle, box).size(), 3u);
     EXPECT_EQ(clipper.clip(triangle, all).size(), 3u);
-    EXPECT_TRUE(clipper.clip(triangle, inverted).empty() && clipper.clip(triangle, negative).empty() && clipper.clip(triangle, none).empty());
+    EXPECT_TRUE(clipper.clip(triangle, inverted).empty() && clipper.clip(triangle, negative).empty() &&
+                clipper.clip(triangle, none).empty());
     EXPECT_TRUE(clipper.clip({}, box).empty());
     for (const T bad : {kNan, kInf, -kInf}) {
         const geo::Plane<T> plane{{T(0), bad, T(0)}, T(1)};
@@ -214,7 +218,8 @@ TYPED_TEST(Clipping, OfBadInputNothingIsKept) {
         EXPECT_FALSE(geo::clip(segment, plane) || geo::clip(segment, offset));
         EXPECT_TRUE(clipper.clip(triangle, plane).empty() && clipper.clip(triangle, offset).empty());
         const geo::Segment<T> wrong{{bad, T(0), T(0)}, {T(0.5), T(0), T(0)}};
-        EXPECT_FALSE(geo::clip(wrong, box) || geo::clip(wrong, all) || geo::clip(wrong, geo::Obb<T>{.half_extents = {1, 1, 1}}));
+        EXPECT_FALSE(geo::clip(wrong, box) || geo::clip(wrong, all) ||
+                     geo::clip(wrong, geo::Obb<T>{.half_extents = {1, 1, 1}}));
         std::array<geo::Vec3<T>, 3> spoilt = triangle;
         spoilt[1].z = bad;
         EXPECT_TRUE(clipper.clip(spoilt, box).empty() && clipper.clip(spoilt, all).empty());

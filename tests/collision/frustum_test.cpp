@@ -6,8 +6,8 @@
 
 #include <support/exact.hpp>
 
-#include <glm/gtc/matrix_transform.hpp>
 #include <gtest/gtest.h>
+#include <glm/gtc/matrix_transform.hpp>
 
 #include <limits>
 
@@ -36,25 +36,32 @@ protected:
         c.fovy = static_cast<T>(random.range(0.1, 3.0));
         c.aspect = static_cast<T>(random.range(0.2, 5.0));
         c.near_distance = static_cast<T>(random.range(0.0, 1.0));
-        c.far_distance = random.unit() < 0.2 ? std::numeric_limits<T>::infinity() : static_cast<T>(random.range(2.0, 60.0));
+        c.far_distance =
+            random.unit() < 0.2 ? std::numeric_limits<T>::infinity() : static_cast<T>(random.range(2.0, 60.0));
         return c;
     }
 };
 using Precisions = testing::Types<float, double>;
 TYPED_TEST_SUITE(Frusta, Precisions);
 
-/// All of a shape, as a center height and what it reaches to both sides: exact for boxes; for spheres the square of the reach.
+/// All of a shape, as a center height and what it reaches to both sides: exact for boxes; for spheres the square of the
+/// reach.
 struct Reach {
     Rational height, reach, reach_sq;
 
-    [[nodiscard]] bool beyond() const { return height.sign() < 0 && -height > reach && exact::square(height) > reach_sq; }
-    [[nodiscard]] bool within() const { return height.sign() >= 0 && height >= reach && exact::square(height) >= reach_sq; }
+    [[nodiscard]] bool beyond() const {
+        return height.sign() < 0 && -height > reach && exact::square(height) > reach_sq;
+    }
+    [[nodiscard]] bool within() const {
+        return height.sign() >= 0 && height >= reach && exact::square(height) >= reach_sq;
+    }
 };
 
 template <class T>
 Reach reach_of(const geo::Plane<T>& p, const geo::Sphere<T>& s) {
     const exact::Vec n = exact::vec(p.normal);
-    return {exact::dot(n, exact::vec(s.center)) - exact::number(p.offset), 0, exact::square(exact::number(s.radius)) * exact::length_sq(n)};
+    return {exact::dot(n, exact::vec(s.center)) - exact::number(p.offset), 0,
+            exact::square(exact::number(s.radius)) * exact::length_sq(n)};
 }
 template <class T>
 Reach reach_of(const geo::Plane<T>& p, const geo::Obb<T>& b) {
@@ -81,7 +88,8 @@ struct Counts {
     int inside = 0;
 };
 
-/// Outside and Inside are what they say, exactly; and they are said of all that would stay so if it were a little larger.
+/// Outside and Inside are what they say, exactly; and they are said of all that would stay so if it were a little
+/// larger.
 template <class T, class Shape>
 void expect_conservative(const geo::Frustum<T>& view, const Shape& shape, const Shape& larger, Counts& counts) {
     const auto beyond = [&](const Shape& s) {
@@ -113,7 +121,9 @@ TYPED_TEST(Frusta, NothingThatOverlapsIsOutsideAndNothingElseIsInside) {
     for (int i = 0; i < 400; ++i) {
         const geo::Camera<T> camera = this->camera();
         const geo::Frustum<T> view = geo::frustum_of(camera).value();
-        const geo::Vec3<T> at = camera.position + geo::Vec3<T>(glm::normalize(dvec3(camera.forward)) * this->random.range(-5.0, 30.0)) + this->point(6.0);
+        const geo::Vec3<T> at = camera.position +
+                                geo::Vec3<T>(glm::normalize(dvec3(camera.forward)) * this->random.range(-5.0, 30.0)) +
+                                this->point(6.0);
         const T size = std::abs(this->number(2.0));
         geo::Sphere<T> sphere{at, size};
         if (i % 2 == 0) {  // touching a plane, to an ulp
@@ -123,8 +133,11 @@ TYPED_TEST(Frusta, NothingThatOverlapsIsOutsideAndNothingElseIsInside) {
         const geo::Vec3<T> half{size, std::abs(this->number(2.0)), std::abs(this->number(2.0))};
         const auto box = [&](T scale) { return geo::Aabb<T>{at - half * scale, at + half * scale}; };
         expect_conservative(view, box(T(1)), box(T(1.00001)), counts);
-        const dquat turn = glm::normalize(dquat(1.0, this->random.range(-1.0, 1.0), this->random.range(-1.0, 1.0), 0.3));
-        const auto turned = [&](T scale) { return geo::Obb<T>{at, half * scale, glm::mat<3, 3, T>(glm::mat3_cast(turn))}; };
+        const dquat turn =
+            glm::normalize(dquat(1.0, this->random.range(-1.0, 1.0), this->random.range(-1.0, 1.0), 0.3));
+        const auto turned = [&](T scale) {
+            return geo::Obb<T>{at, half * scale, glm::mat<3, 3, T>(glm::mat3_cast(turn))};
+        };
         expect_conservative(view, turned(T(1)), turned(T(1.00001)), counts);
     }
     EXPECT_GT(counts.outside, 200);
@@ -148,7 +161,8 @@ TYPED_TEST(Frusta, ACameraSeesWhatItsFieldsSay) {
         const double clearance = std::min({std::abs(1.0 - std::abs(x)) * z, std::abs(1.0 - std::abs(y)) * z,
                                            std::abs(z - static_cast<double>(c.near_distance)), std::abs(z - far)});
         if (clearance < 0.05) continue;  // beyond what rounding the planes to float may move
-        const dvec3 p = dvec3(c.position) + z * (forward + tangent * (x * static_cast<double>(c.aspect) * right + y * up));
+        const dvec3 p =
+            dvec3(c.position) + z * (forward + tangent * (x * static_cast<double>(c.aspect) * right + y * up));
         const bool seen = std::abs(x) < 1.0 && std::abs(y) < 1.0 && z > static_cast<double>(c.near_distance) &&
                           (z < far || std::isinf(c.far_distance));
         const auto verdict = geo::classify(view, geo::Sphere<T>{geo::Vec3<T>(p), T(0)});
@@ -165,14 +179,18 @@ TYPED_TEST(Frusta, MatricesAndCamerasAgree) {
         const glm::dmat4 look = glm::lookAt(dvec3(c.position), dvec3(c.position) + dvec3(c.forward), dvec3(c.up));
         const auto project = [&](auto perspective) {
             return glm::mat<4, 4, T>(perspective(static_cast<double>(c.fovy), static_cast<double>(c.aspect),
-                                                 static_cast<double>(c.near_distance), static_cast<double>(c.far_distance)) * look);
+                                                 static_cast<double>(c.near_distance),
+                                                 static_cast<double>(c.far_distance)) *
+                                     look);
         };
         const geo::Frustum<T> view = geo::frustum_of(c).value();
         const geo::Frustum<T> gl = geo::frustum_of(project(glm::perspectiveRH_NO<double>)).value();
-        const geo::Frustum<T> zo = geo::frustum_of(project(glm::perspectiveRH_ZO<double>), geo::ClipDepth::ZeroToOne).value();
+        const geo::Frustum<T> zo =
+            geo::frustum_of(project(glm::perspectiveRH_ZO<double>), geo::ClipDepth::ZeroToOne).value();
         for (std::size_t k = 0; k < 6; ++k) {
             // The far plane is the difference of nearly equal rows.
-            const double tolerance = static_cast<double>(std::numeric_limits<T>::epsilon()) * (k == 5 ? 40000.0 : 400.0);
+            const double tolerance =
+                static_cast<double>(std::numeric_limits<T>::epsilon()) * (k == 5 ? 40000.0 : 400.0);
             for (const geo::Frustum<T>* other : {&gl, &zo}) {
                 EXPECT_LE(glm::length(dvec3(view.planes[k].normal) - dvec3(other->planes[k].normal)), tolerance) << k;
                 EXPECT_NEAR(view.planes[k].offset, other->planes[k].offset, 60.0 * tolerance) << k;
@@ -224,7 +242,8 @@ TYPED_TEST(Frusta, BadInputIsNamed) {
     ASSERT_EQ(geo::classify(view, geo::Sphere<T>{seen, T(0.5)}), Containment::Inside);
     EXPECT_EQ(geo::classify(view, geo::Sphere<T>{seen, T(-1)}), Containment::Across);
     EXPECT_EQ(geo::classify(view, geo::Sphere<T>{{kNan, T(0), T(-5)}, T(1)}), Containment::Across);
-    EXPECT_EQ(geo::classify(view, geo::Obb<T>{.center = seen, .half_extents = {T(1), T(1), kNan}}), Containment::Across);
+    EXPECT_EQ(geo::classify(view, geo::Obb<T>{.center = seen, .half_extents = {T(1), T(1), kNan}}),
+              Containment::Across);
     EXPECT_EQ(geo::classify(view, geo::Aabb<T>{seen + T(1), seen - T(1)}), Containment::Across);
 }
 

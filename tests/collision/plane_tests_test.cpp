@@ -32,8 +32,12 @@ struct Exact {
         high = first ? height : std::max(high, height);
     }
     /// Whether all of it is above `level`.
-    [[nodiscard]] bool above(const Rational& level) const { return low > level && exact::square(low - level) > reach_sq; }
-    [[nodiscard]] bool below(const Rational& level) const { return high < level && exact::square(high - level) > reach_sq; }
+    [[nodiscard]] bool above(const Rational& level) const {
+        return low > level && exact::square(low - level) > reach_sq;
+    }
+    [[nodiscard]] bool below(const Rational& level) const {
+        return high < level && exact::square(high - level) > reach_sq;
+    }
 };
 
 template <class T>
@@ -53,7 +57,8 @@ Exact exact_extent(const geo::Plane<T>& plane, const geo::Obb<T>& box) {
     const std::array<geo::Vec3<T>, 1> center{box.center};
     Exact e = exact_extent<T>(plane, center, T(0));
     for (int k = 0; k < 3; ++k) {
-        const Rational reach = exact::magnitude(exact::dot(n, exact::vec(box.axes[k]))) * exact::number(box.half_extents[k]);
+        const Rational reach =
+            exact::magnitude(exact::dot(n, exact::vec(box.axes[k]))) * exact::number(box.half_extents[k]);
         e.low -= reach;
         e.high += reach;
     }
@@ -67,7 +72,8 @@ Rational rounding(const Rational& x) {
            exact::number(std::numeric_limits<T>::denorm_min());
 }
 
-/// The verdict is that of the exact plane moved by at most `by`; the exact distances are within that of the reported ones.
+/// The verdict is that of the exact plane moved by at most `by`; the exact distances are within that of the reported
+/// ones.
 template <class T, class Shape>
 void expect_right(const geo::Plane<T>& plane, const Shape& shape, const Exact& e, const Rational& by, T margin) {
     const Side side = geo::side_of(plane, shape, margin);
@@ -107,7 +113,8 @@ TYPED_TEST(PlaneTests, SidesAndDistancesAreExactWithinTheirBound) {
         const std::array<geo::Vec3<T>, 3> corners{triangle.a, triangle.b, triangle.c};
         const Exact flat = exact_extent<T>(plane, corners, T(0));
         // Heights within 4 ulp, and with no margin their signs are right: the verdict is the exact one.
-        const Rational four_ulp = exact::number(4.0 * exact::kEps) * std::max(exact::magnitude(flat.low), exact::magnitude(flat.high));
+        const Rational four_ulp =
+            exact::number(4.0 * exact::kEps) * std::max(exact::magnitude(flat.low), exact::magnitude(flat.high));
         const Side side = geo::side_of(plane, triangle, margin);
         across += side == Side::Across ? 1 : 0;
         if (margin == T(0)) {
@@ -124,12 +131,17 @@ TYPED_TEST(PlaneTests, SidesAndDistancesAreExactWithinTheirBound) {
             EXPECT_EQ(geo::side_of(plane, box) == Side::Above, boxed.above(0));
             EXPECT_EQ(geo::side_of(plane, box) == Side::Below, boxed.below(0));
         }
-        expect_right(plane, box, boxed, exact::number(4.0 * exact::kEps) * std::max(exact::magnitude(boxed.low), exact::magnitude(boxed.high)), margin);
+        expect_right(
+            plane, box, boxed,
+            exact::number(4.0 * exact::kEps) * std::max(exact::magnitude(boxed.low), exact::magnitude(boxed.high)),
+            margin);
         const std::array<geo::Vec3<T>, 1> point{box.lower};
         EXPECT_EQ(geo::side_of(plane, box.lower) == Side::Above, exact_extent<T>(plane, point, T(0)).above(0));
 
         const auto bound = [&](const Exact& e, const Rational& size) {
-            return exact::number(12.0 * exact::kEps) * (std::max(exact::magnitude(e.low), exact::magnitude(e.high)) + size * exact::sqrt_up(exact::length_sq(exact::vec(plane.normal))));
+            return exact::number(12.0 * exact::kEps) *
+                   (std::max(exact::magnitude(e.low), exact::magnitude(e.high)) +
+                    size * exact::sqrt_up(exact::length_sq(exact::vec(plane.normal))));
         };
         const geo::Capsule<T> capsule{{triangle.a, triangle.b}, draw.length()};
         const std::array<geo::Vec3<T>, 2> ends{triangle.a, triangle.b};
@@ -156,7 +168,8 @@ TYPED_TEST(PlaneTests, TouchingIsAcrossAndTheMarginIsClosed) {
     EXPECT_EQ(geo::side_of(floor, geo::Vec3<T>{T(7), T(0.5), T(-7)}), Side::Across);
     EXPECT_EQ(geo::side_of(floor, geo::Vec3<T>{T(7), T(0.25), T(-7)}), Side::Below);
     EXPECT_EQ(geo::signed_distance(floor, geo::Vec3<T>{T(7), T(0.25), T(-7)}), T(-0.5));
-    const geo::Extent<T> e = geo::extent(floor, geo::Obb<T>{.center = {T(9), T(3), T(9)}, .half_extents = {T(1), T(2), T(3)}});
+    const geo::Extent<T> e =
+        geo::extent(floor, geo::Obb<T>{.center = {T(9), T(3), T(9)}, .half_extents = {T(1), T(2), T(3)}});
     EXPECT_EQ(e.lowest, T(1));
     EXPECT_EQ(e.highest, T(9));
 }

@@ -2,8 +2,8 @@
 #include <carom/collision/ray_primitives.hpp>
 #include <carom/core/random.hpp>
 
-#include <fuzz/ray_primitives_check.hpp>
 #include <gtest/gtest.h>
+#include <fuzz/ray_primitives_check.hpp>
 
 #include <array>
 #include <cmath>
@@ -122,7 +122,8 @@ TYPED_TEST(RayPrimitives, NormalsAreThoseOfTheSurface) {
         const auto hit = geo::cast_ray(shape, ray);
         ASSERT_TRUE(hit);
         const geo::Vec3<T> off = hit->normal - geo::Vec3<T>(normal);
-        EXPECT_LE(std::sqrt(glm::dot(off, off)), tolerance) << hit->normal.x << ' ' << hit->normal.y << ' ' << hit->normal.z;
+        EXPECT_LE(std::sqrt(glm::dot(off, off)), tolerance)
+            << hit->normal.x << ' ' << hit->normal.y << ' ' << hit->normal.z;
     };
     const geo::Ray<T> slanted{.origin = {T(5), T(0.25), T(0.5)}, .direction = {T(-1), T(0), T(0)}};
     expect(geo::Sphere<T>{.radius = T(1)}, slanted, {std::sqrt(0.6875), 0.25, 0.5});
@@ -162,7 +163,8 @@ TYPED_TEST(RayPrimitives, TrianglesRoundAPointLeaveNoGap) {
         for (int k = 0; k < 30; ++k) {
             geo::Ray<T> ray{.origin = center + geo::Vec3<T>(dvec3{0.0, 3.0 * size, 0.0}) + point(0.5 * size)};
             const geo::Vec3<T> at = rim[static_cast<std::size_t>(k) % rim.size()];
-            ray.direction = (k % 3 == 0 ? center : center + (at - center) * static_cast<T>(random.range(0.0, 0.9))) - ray.origin;
+            ray.direction =
+                (k % 3 == 0 ? center : center + (at - center) * static_cast<T>(random.range(0.0, 0.9))) - ray.origin;
             int hits = 0;
             for (std::size_t i = 0; i < rim.size(); ++i) {
                 hits += geo::cast_ray(geo::Triangle<T>{center, rim[i], rim[(i + 1) % rim.size()]}, ray) ? 1 : 0;
@@ -175,9 +177,11 @@ TYPED_TEST(RayPrimitives, TrianglesRoundAPointLeaveNoGap) {
 TYPED_TEST(RayPrimitives, ConcavePolygonsAndTheirOutline) {
     using T = TypeParam;
     // A U, open upward: x in [0, 3], y in [0, 2], with a notch over (1, 2) from y = 1.
-    const std::array<geo::Vec3<T>, 8> u{{{0, 0, 1}, {3, 0, 1}, {3, 2, 1}, {2, 2, 1}, {2, 1, 1}, {1, 1, 1}, {1, 2, 1}, {0, 2, 1}}};
+    const std::array<geo::Vec3<T>, 8> u{
+        {{0, 0, 1}, {3, 0, 1}, {3, 2, 1}, {2, 2, 1}, {2, 1, 1}, {1, 1, 1}, {1, 2, 1}, {0, 2, 1}}};
     const auto hit = [&](double x, double y) {
-        const geo::Ray<T> ray{.origin = {static_cast<T>(x), static_cast<T>(y), T(5)}, .direction = {T(0), T(-0.0), T(-1)}};
+        const geo::Ray<T> ray{.origin = {static_cast<T>(x), static_cast<T>(y), T(5)},
+                              .direction = {T(0), T(-0.0), T(-1)}};
         return geo::cast_ray_polygon<T>(u, ray).has_value();
     };
     EXPECT_TRUE(hit(0.5, 1.5) && hit(2.5, 1.5) && hit(1.5, 0.5));
@@ -201,7 +205,8 @@ bool anything_hit(const geo::Ray<T>& ray) {
     const geo::Triangle<T> triangle{{T(-9), T(0), T(-9)}, {T(9), T(0), T(-9)}, {T(0), T(0), T(9)}};
     const std::array<geo::Vec3<T>, 3> corners{triangle.a, triangle.b, triangle.c};
     return any || geo::cast_ray(geo::Plane<T>{}, ray) || geo::ray_interval(geo::Plane<T>{}, ray) ||
-           geo::cast_ray(geo::Disc<T>{.radius = T(9)}, ray) || geo::cast_ray(triangle, ray) || geo::cast_ray_polygon<T>(corners, ray);
+           geo::cast_ray(geo::Disc<T>{.radius = T(9)}, ray) || geo::cast_ray(triangle, ray) ||
+           geo::cast_ray_polygon<T>(corners, ray);
 }
 
 TYPED_TEST(RayPrimitives, BadRaysHitNothing) {

@@ -41,8 +41,10 @@ template <template <class> class Shape, class T>
     std::string fault = exact::fault(shape, ray, inside, kRayBound<Shape>);
     const std::optional<geo::RayHit<T>> hit = geo::cast_ray(shape, ray);
     if (!fault.empty()) return fault;
-    if (inside && std::isfinite(inside->t_enter) && !is_unit(inside->normal_enter)) return "the entry's normal is not of unit length";
-    if (inside && std::isfinite(inside->t_exit) && !is_unit(inside->normal_exit)) return "the exit's normal is not of unit length";
+    if (inside && std::isfinite(inside->t_enter) && !is_unit(inside->normal_enter))
+        return "the entry's normal is not of unit length";
+    if (inside && std::isfinite(inside->t_exit) && !is_unit(inside->normal_exit))
+        return "the exit's normal is not of unit length";
     const bool starts = inside && std::isfinite(std::max(inside->t_enter, ray.t_min));
     if (hit.has_value() != starts) return "hit and interval differ";
     if (hit && hit->t != std::max(inside->t_enter, ray.t_min)) return "the hit is not the interval's start";
@@ -76,14 +78,22 @@ template <class T>
         return ray ? flat_fault(shape, geo::cast_ray(shape, *ray), *ray) : "";
     };
     switch (which) {
-        case 0: return solid(draw.sphere());
-        case 1: return solid(draw.aabb());
-        case 2: return solid(draw.obb());
-        case 3: return solid(draw.capsule());
-        case 4: return solid(draw.cylinder());
-        case 5: return solid(draw.cone());
-        case 6: return flat(draw.disc());
-        case 7: return flat(draw.triangle());
+        case 0:
+            return solid(draw.sphere());
+        case 1:
+            return solid(draw.aabb());
+        case 2:
+            return solid(draw.obb());
+        case 3:
+            return solid(draw.capsule());
+        case 4:
+            return solid(draw.cylinder());
+        case 5:
+            return solid(draw.cone());
+        case 6:
+            return flat(draw.disc());
+        case 7:
+            return flat(draw.triangle());
         case 8: {
             const geo::Plane<T> plane = draw.plane();
             const auto ray = ray_for(plane, draw);
@@ -92,7 +102,8 @@ template <class T>
         default: {
             const Points<T> corners = draw.polygon();
             const std::span<const geo::Vec3<T>> polygon(corners);
-            const bool has_area = exact::sign(exact::length_sq(exact::Figure<std::span<const geo::Vec3<T>>>(polygon).normal)) > 0;
+            const bool has_area =
+                exact::sign(exact::length_sq(exact::Figure<std::span<const geo::Vec3<T>>>(polygon).normal)) > 0;
             const geo::Ray<T> ray = draw.ray_at(polygon);
             const auto hit = geo::cast_ray_polygon(polygon, ray);
             return has_area ? flat_fault(polygon, hit, ray) : hit ? "a polygon without area is hit" : "";
@@ -102,7 +113,8 @@ template <class T>
 
 inline constexpr int kRayPrimitives = 10;
 
-/// What is wrong with the answers for the scenes that `bytes` describe, or nothing. The first byte chooses primitive and precision.
+/// What is wrong with the answers for the scenes that `bytes` describe, or nothing. The first byte chooses primitive
+/// and precision.
 [[nodiscard]] inline std::string ray_primitives_fault(std::span<const std::uint8_t> bytes) {
     if (bytes.empty()) return "";
     const int which = bytes[0] % (2 * kRayPrimitives);

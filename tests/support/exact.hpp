@@ -3,8 +3,8 @@
 //   exact::Vec p = exact::vec(ray.origin) + exact::Rational(t) * exact::vec(ray.direction);
 //   EXPECT_TRUE(exact::distance_sq(p, exact::vec(segment.a), exact::vec(segment.b)) <= exact::square(r + slack));
 //
-// Floats and doubles convert exactly, sums, products and quotients are exact, so every comparison has the right answer. Lengths are
-// compared by their squares; sqrt_up() and sqrt_down() enclose one where a length itself is wanted.
+// Floats and doubles convert exactly, sums, products and quotients are exact, so every comparison has the right answer.
+// Lengths are compared by their squares; sqrt_up() and sqrt_down() enclose one where a length itself is wanted.
 #pragma once
 
 #include <carom/core/types.hpp>
@@ -18,7 +18,8 @@
 namespace carom::exact {
 
 /// Without expression templates, so that `auto` and `?:` hold values.
-using Rational = boost::multiprecision::number<boost::multiprecision::cpp_rational_backend, boost::multiprecision::et_off>;
+using Rational =
+    boost::multiprecision::number<boost::multiprecision::cpp_rational_backend, boost::multiprecision::et_off>;
 
 /// `x` is finite.
 template <class T>
@@ -69,7 +70,8 @@ template <class T>
                      static_cast<int>(msb(boost::multiprecision::denominator(x)));
     const int half = bits / 2;
     const boost::multiprecision::cpp_int one(1);
-    const Rational scale = half >= 0 ? Rational(one << static_cast<unsigned>(half)) : Rational(one, one << static_cast<unsigned>(-half));
+    const Rational scale =
+        half >= 0 ? Rational(one << static_cast<unsigned>(half)) : Rational(one, one << static_cast<unsigned>(-half));
     const double root = std::sqrt(static_cast<double>(Rational(x / square(scale)))) * (1.0 + 0x1p-50);
     return scale * Rational(root);
 }
@@ -92,7 +94,9 @@ template <class T>
     const Vec n = cross(b - a, c - a);
     const Rational nn = length_sq(n);
     if (nn.sign() != 0) {
-        const auto left = [&](const Vec& from, const Vec& to) { return dot(cross(to - from, p - from), n).sign() >= 0; };
+        const auto left = [&](const Vec& from, const Vec& to) {
+            return dot(cross(to - from, p - from), n).sign() >= 0;
+        };
         if (left(a, b) && left(b, c) && left(c, a)) {
             return square(dot(p - a, n)) / nn;
         }

@@ -2,9 +2,9 @@
 //
 //   EXPECT_EQ(exact::fault(sphere, ray, geo::ray_interval(sphere, ray), 4.0), "");
 //
-// A solid's answer is right within k eps S (see ray_primitives.hpp) where the reported interval lies in the exact solid grown by that
-// and holds the exact solid shrunk by it. A surface's is right where the reported point is that near the surface, and where a miss is
-// no line that passes through the surface shrunk by it.
+// A solid's answer is right within k eps S (see ray_primitives.hpp) where the reported interval lies in the exact solid
+// grown by that and holds the exact solid shrunk by it. A surface's is right where the reported point is that near the
+// surface, and where a miss is no line that passes through the surface shrunk by it.
 #pragma once
 
 #include <carom/collision/ray_primitives.hpp>
@@ -28,7 +28,8 @@ struct Line {
 
 inline constexpr double kEps = std::numeric_limits<double>::epsilon();
 
-// ------------------------------------------------------------------------------------------- solids: constraints on t along a line
+// ------------------------------------------------------------------------------------------- solids: constraints on t
+// along a line
 
 /// The t of `range` for which low + t rate >= 0; empty ranges have low > high.
 struct Range {
@@ -96,7 +97,8 @@ bool meets(const geo::Obb<T>& b, const Line& line, Range range, const Rational& 
     }
     return range.low <= range.high;
 }
-inline bool tube_meets(const Vec& from, const Vec& direction, const Vec& axis, Range range, const Rational& r, const Rational& by_end) {
+inline bool tube_meets(const Vec& from, const Vec& direction, const Vec& axis, Range range, const Rational& r,
+                       const Rational& by_end) {
     const Rational slack = by_end * sqrt_up(length_sq(axis));
     range.keep_nonnegative(dot(from, axis) + slack, dot(direction, axis));
     range.keep_nonnegative(length_sq(axis) - dot(from, axis) + slack, -dot(direction, axis));
@@ -107,7 +109,8 @@ bool meets(const geo::Capsule<T>& c, const Line& line, const Range& range, const
     const Rational r = number(c.radius) + by;
     const Vec a = vec(c.axis.a);
     const Vec b = vec(c.axis.b);
-    return r.sign() >= 0 && (range.meets(ball(line.origin - a, line.direction, r)) || range.meets(ball(line.origin - b, line.direction, r)) ||
+    return r.sign() >= 0 && (range.meets(ball(line.origin - a, line.direction, r)) ||
+                             range.meets(ball(line.origin - b, line.direction, r)) ||
                              (!(a == b) && tube_meets(line.origin - a, line.direction, b - a, range, r, 0)));
 }
 template <class T>
@@ -124,7 +127,8 @@ bool meets(const geo::Cone<T>& c, const Line& line, Range range, const Rational&
     const Rational climb = dot(line.direction, axis) / nn;
     const Rational end = by / sqrt_up(nn);
     const Rational slope = number(c.radius);
-    const Rational aside = by * sqrt_up(1 + slope * slope / nn);  // across the axis, where the side moves by `by` along its normal
+    const Rational aside =
+        by * sqrt_up(1 + slope * slope / nn);  // across the axis, where the side moves by `by` along its normal
     range.keep_nonnegative(height + end, climb);
     range.keep_nonnegative(1 + end - height, -climb);
     const Rational radius = slope * height + aside;
@@ -137,7 +141,8 @@ bool meets(const geo::Cone<T>& c, const Line& line, Range range, const Rational&
     return range.meets(q);
 }
 
-/// S: the distance from the ray's origin and the size of what it meets, from above. What underflow loses counts as size.
+/// S: the distance from the ray's origin and the size of what it meets, from above. What underflow loses counts as
+/// size.
 template <class T>
 Rational reach(const Vec& o, const geo::Vec3<T>& center, const Rational& size) {
     const Vec c = vec(center);
@@ -187,9 +192,11 @@ Range cut_to(Range range, const geo::Ray<T>& ray) {
     return range;
 }
 
-/// What is wrong with the answer `got` for a valid solid and ray, or nothing. Where T is float, t may besides be off by half an ulp.
+/// What is wrong with the answer `got` for a valid solid and ray, or nothing. Where T is float, t may besides be off by
+/// half an ulp.
 template <template <class> class Shape, class T>
-std::string fault(const Shape<T>& shape, const geo::Ray<T>& ray, const std::optional<geo::RayInterval<T>>& got, double k) {
+std::string fault(const Shape<T>& shape, const geo::Ray<T>& ray, const std::optional<geo::RayInterval<T>>& got,
+                  double k) {
     const Line line{vec(ray.origin), vec(ray.direction)};
     const Rational by = number(k * kEps) * reach(shape, line.origin);
     const Rational far = far_t(shape, line);
@@ -214,7 +221,8 @@ std::string fault(const Shape<T>& shape, const geo::Ray<T>& ray, const std::opti
     return "";
 }
 
-// --------------------------------------------------------------------------------------------------------------------- surfaces
+// ---------------------------------------------------------------------------------------------------------------------
+// surfaces
 
 /// A flat figure: whether a point of its plane is inside by more than `by`, and whether any point is within `by` of it.
 template <class T>
@@ -256,7 +264,8 @@ struct Corners {
         }
         return false;
     }
-    /// By crossings in the plane without the axis of the largest normal component; points on the outline may count or not.
+    /// By crossings in the plane without the axis of the largest normal component; points on the outline may count or
+    /// not.
     [[nodiscard]] bool inside(const Vec& p) const {
         const Rational m = largest(normal);
         const int dropped = magnitude(normal.x) == m ? 0 : magnitude(normal.y) == m ? 1 : 2;
@@ -287,7 +296,8 @@ struct Figure<geo::Triangle<T>> : Corners {
     explicit Figure(const geo::Triangle<T>& t)
         : Corners{{vec(t.a), vec(t.b), vec(t.c)}, cross(vec(t.b) - vec(t.a), vec(t.c) - vec(t.a))} {}
     [[nodiscard]] Rational size(const Vec& o) const {
-        return std::max({sqrt_up(length_sq(o - corners[0])), sqrt_up(length_sq(o - corners[1])), sqrt_up(length_sq(o - corners[2]))});
+        return std::max({sqrt_up(length_sq(o - corners[0])), sqrt_up(length_sq(o - corners[1])),
+                         sqrt_up(length_sq(o - corners[2]))});
     }
 };
 
@@ -314,8 +324,8 @@ std::string surface_fault(const Given& given, const geo::Ray<T>& ray, std::optio
     const Rational by = number(k * kEps) * figure.size(line.origin);
     if (t) {
         const Rational rounded = std::is_same_v<T, float> ? number(0x1p-24) : Rational(0);
-        const Rational slack =
-            (rounded * magnitude(number(*t)) + number(std::numeric_limits<T>::denorm_min())) * sqrt_up(length_sq(line.direction));
+        const Rational slack = (rounded * magnitude(number(*t)) + number(std::numeric_limits<T>::denorm_min())) *
+                               sqrt_up(length_sq(line.direction));
         return figure.near_to(line.at(number(*t)), by + slack) ? "" : "the hit is not on the surface";
     }
     const Rational rate = dot(figure.normal, line.direction);
@@ -336,7 +346,8 @@ std::string surface_fault(const Given& given, const geo::Ray<T>& ray, std::optio
 
 /// The plane itself: t has a relative error of k eps, or is as small as underflow.
 template <class T>
-std::string fault(const geo::Plane<T>& plane, const geo::Ray<T>& ray, const std::optional<geo::RayHit<T>>& got, double k) {
+std::string fault(const geo::Plane<T>& plane, const geo::Ray<T>& ray, const std::optional<geo::RayHit<T>>& got,
+                  double k) {
     const Line line{vec(ray.origin), vec(ray.direction)};
     const Vec normal = vec(plane.normal);
     const Rational length = sqrt_up(length_sq(normal));
@@ -350,7 +361,8 @@ std::string fault(const geo::Plane<T>& plane, const geo::Ray<T>& ray, const std:
     if (got) {
         const Rational t = number(got->t);
         const Rational rounded = std::is_same_v<T, float> ? number(0x1p-24) : Rational(0);
-        const Rational slack = (rounded * magnitude(t) + number(std::numeric_limits<T>::denorm_min())) * magnitude(rate);
+        const Rational slack =
+            (rounded * magnitude(t) + number(std::numeric_limits<T>::denorm_min())) * magnitude(rate);
         return magnitude(t * rate - height) <= moved_by(t) + slack ? "" : "the hit is not on the plane";
     }
     if (rate.sign() == 0) {
@@ -363,7 +375,8 @@ std::string fault(const geo::Plane<T>& plane, const geo::Ray<T>& ray, const std:
     const Rational slack = moved_by(t) / rate;
     const Rational far = magnitude(t) + magnitude(slack) + 1;
     const Range range = cut_to({-far, far}, ray);
-    const bool certain = range.low <= t - slack && t - slack <= range.high && range.low <= t + slack && t + slack <= range.high;
+    const bool certain =
+        range.low <= t - slack && t - slack <= range.high && range.low <= t + slack && t + slack <= range.high;
     return certain ? "a hit is missed" : "";
 }
 

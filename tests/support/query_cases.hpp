@@ -4,8 +4,8 @@
 //   geo::Sphere<float> ball = draw.sphere();
 //   geo::Ray<float> ray = draw.ray_at(anchors(ball));
 //
-// Most scenes lie where mistakes are: on a lattice of small integers, with equal and neighbouring numbers, far from the world's
-// origin, tiny or huge, and with rays aimed at corners, edges, rims and tangent points.
+// Most scenes lie where mistakes are: on a lattice of small integers, with equal and neighbouring numbers, far from the
+// world's origin, tiny or huge, and with rays aimed at corners, edges, rims and tangent points.
 #pragma once
 
 #include <carom/collision/primitives.hpp>
@@ -80,7 +80,8 @@ public:
     glm::mat<3, 3, T> axes() {
         if (byte() % 4 == 0) return glm::mat<3, 3, T>(T(1));
         const double w = 1.0 + static_cast<double>(fraction());
-        const glm::dquat q(w, static_cast<double>(fraction()), static_cast<double>(fraction()), static_cast<double>(fraction()));
+        const glm::dquat q(w, static_cast<double>(fraction()), static_cast<double>(fraction()),
+                           static_cast<double>(fraction()));
         return glm::mat<3, 3, T>(glm::mat3_cast(q / std::sqrt(glm::dot(q, q))));
     }
 
@@ -107,8 +108,8 @@ public:
         const geo::Segment<T> s = segment();
         return {s.a, s.b, point()};
     }
-    /// Flat and perhaps concave or crossing itself: 3 to 8 corners with whole coordinates in a plane along two axes, or in one across
-    /// a space diagonal.
+    /// Flat and perhaps concave or crossing itself: 3 to 8 corners with whole coordinates in a plane along two axes, or
+    /// in one across a space diagonal.
     std::vector<geo::Vec3<T>> polygon() {
         const int n = 3 + byte() % 6;
         const int how = byte() % 4;
@@ -123,7 +124,8 @@ public:
         return corners;
     }
 
-    /// A ray from anywhere or from one of the anchors; anywhere, towards an anchor or a point between two, or along an axis through it.
+    /// A ray from anywhere or from one of the anchors; anywhere, towards an anchor or a point between two, or along an
+    /// axis through it.
     geo::Ray<T> ray_at(std::span<const geo::Vec3<T>> anchors) {
         geo::Ray<T> ray;
         const int how = byte();
@@ -154,7 +156,8 @@ private:
         return static_cast<T>(static_cast<double>(bits) * 0x1p-31 - 1.0);
     }
     T special(int which) {
-        constexpr T kValues[8] = {T(0), T(-0.0), std::numeric_limits<T>::denorm_min(), T(1e-20), T(-1e20), T(1e10), T(-1e-7), T(1e20)};
+        constexpr T kValues[8] = {T(0),     T(-0.0), std::numeric_limits<T>::denorm_min(), T(1e-20), T(-1e20), T(1e10),
+                                  T(-1e-7), T(1e20)};
         return kValues[which];
     }
     geo::Vec3<T> vec_of(T scale) {
@@ -182,7 +185,8 @@ private:
     T last_ = T(1);
 };
 
-// ----------------------------------------------------------------------- anchors: corners, rims, tangent points, the middle comes last
+// ----------------------------------------------------------------------- anchors: corners, rims, tangent points, the
+// middle comes last
 
 template <class T>
 using Points = std::vector<geo::Vec3<T>>;
