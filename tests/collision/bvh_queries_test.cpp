@@ -1,6 +1,7 @@
 // Queries of the static hierarchy against a look at every triangle.
 #include <carom/collision/bvh_queries.hpp>
 #include <carom/collision/closest_points.hpp>
+#include <carom/collision/convex_hull.hpp>
 #include <carom/collision/mesh_data.hpp>
 #include <carom/collision/overlap_tests.hpp>
 #include <carom/core/check.hpp>
@@ -116,6 +117,80 @@ TEST(BvhQueries, TouchingCountsToTheLastBit) {
         const geo::Sphere<double> point{v, 0.0};
         ASSERT_EQ(query(bvh, point), brute_force(mesh, point)) << i;
     }
+}
+
+std::vector<std::uint32_t> query_hull(const StaticBvh& bvh, const ConvexHull& hull, const Pose& pose) {
+    std::vector<std::uint32_t> found;
+    overlapping_triangles(bvh, hull, pose, [&](std::uint32_t triangle) {
+        found.push_back(triangle);
+        return true;
+    });
+    std::sort(found.begin(), found.end());
+    return found;
+}
+
+// A box as a hull, at a pose, is a turned box; they may differ by the bounds of the two alone, which random triangles do not come near.
+TEST(BvhQueries, AHullMeetsWhatTheSameBoxMeets) {
+    const MeshData mesh = soup(11, 700);
+    const StaticBvh bvh = *StaticBvh::build(mesh.vertices, mesh.triangles);
+    Random random(12);
+    std::size_t hits = 0;
+    for (int i = 0; i < 200; ++i) {
+        const vec3 half{0.5f * static_cast<float>(random.range(0.05, 1.0)), 0.3f, 0.4f * static_cast<float>(random.range(0.05, 1.0))};
+        std::vector<vec3> corners;
+        for (int c = 0; c < 8; ++c) corners.push_back(half * vec3{c & 1 ? 1.0f : -1.0f, c & 2 ? 1.0f : -1.0f, c & 4 ? 1.0f : -1.0f});
+        const Pose pose{random_in(random, 1.3), glm::normalize(dquat{random.range(-1, 1), random.range(-1, 1), random.range(-1, 1), 0.3})};
+        const geo::Obb<double> box{.center = pose.position, .half_extents = dvec3(half), .axes = glm::mat3_cast(pose.orientation)};
+        const auto found = query_hull(bvh, **ConvexHull::build(corners), pose);
+        ASSERT_EQ(found, query(bvh, box)) << i;
+        hits += found.size();
+    }
+    EXPECT_GT(hits, 1000u);
+    EXPECT_TRUE(query_hull(bvh, **ConvexHull::build(std::vector<vec3>{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}), {{kNaN, 0, 0}, kIdentityRotation}).empty());
+}
+
+TEST(BvhQueries, AFrustumMeetsWhatItsPlanesDoNotCutAway) {
+    const MeshData mesh = soup(13, 700);
+    const StaticBvh bvh = *StaticBvh::build(mesh.vertices, mesh.triangles);
+    Random random(14);
+    std::size_t inside = 0, outside = 0;
+    for (int i = 0; i < 120; ++i) {
+        const geo::Camera<double> camera{.position = random_in(random, 2.0),
+                                         .forward = random_in(random, 1.0),
+                                         .fovy = random.range(0.2, 2.0),
+                                         .aspect = random.range(0.5, 2.0),
+                                         .near_distance = 0.1,
+                                         .far_distance = i % 3 == 0 ? kInfinity : random.range(0.5, 4.0)};
+        const auto view = geo::frustum_of(camera);
+        ASSERT_TRUE(view) << i;
+        std::vector<bool> met(mesh.triangles.size());
+        overlapping_triangles(bvh, *view, [&](std::uint32_t triangle) {
+            EXPECT_FALSE(met[triangle]) << "twice";
+            met[triangle] = true;
+            return true;
+        });
+        for (std::uint32_t k = 0; k < mesh.triangles.size(); ++k) {
+            // Points of the triangle inside, or one plane that has all of it below: certain either way.
+            const geo::Triangle<double> t = triangle(mesh, k);
+            bool some_inside = false, cut_away = false;
+            for (int a = 0; a <= 6; ++a) {
+                for (int b = 0; a + b <= 6; ++b) {
+                    const dvec3 p = (t.a * double(a) + t.b * double(b) + t.c * double(6 - a - b)) / 6.0;
+                    some_inside |= std::all_of(view->planes.begin(), view->planes.end(), [&](const geo::Plane<double>& plane) { return glm::dot(plane.normal, p) > plane.offset + 1e-12; });
+                }
+            }
+            for (const geo::Plane<double>& plane : view->planes) {
+                const double highest = std::max({glm::dot(plane.normal, t.a), glm::dot(plane.normal, t.b), glm::dot(plane.normal, t.c)});
+                cut_away |= highest < plane.offset - 1e-12;
+            }
+            ASSERT_TRUE(met[k] || !some_inside) << i << ' ' << k;
+            ASSERT_FALSE(met[k] && cut_away) << i << ' ' << k;
+            inside += some_inside;
+            outside += cut_away;
+        }
+    }
+    EXPECT_GT(inside, 2000u);
+    EXPECT_GT(outside, 20000u);
 }
 
 TEST(BvhQueries, StopWhenToldTo) {
