@@ -4,14 +4,12 @@
 //   geo::PolygonClipper<float> clipper;                       // keep it: its buffers are used again
 //   std::span<const vec3> visible = clipper.clip(polygon, frustum);
 //
-// A half-space is what lies below a plane, dot(normal, x) <= offset; normals need not be of unit length. Solids are
-// closed: what lies in a face is kept.
-//   Accuracy   computed in double, float rounded once. Whether an end or a corner is inside a half-space or a box along
-//   the axes is
-//              decided exactly; ends and corners inside are returned bit for bit. Where a cut lies: each function.
-//              eps is that of double. Pinned in tests/collision/clipping_test.cpp against exact rationals.
-//   Bad input  NaN or infinity (of a double, anything above 1e150), an inverted box, negative half extents: nothing is
-//   kept. A plane
+// A half-space is what lies below a plane, dot(normal, x) <= offset; normals need not be of unit length. Solids are closed: what lies in
+// a face is kept.
+//   Accuracy   computed in double, float rounded once. Whether an end or a corner is inside a half-space or a box along the axes is
+//              decided exactly; ends and corners inside are returned bit for bit. Where a cut lies: each function. eps is that of
+//              double. Pinned in tests/collision/clipping_test.cpp against exact rationals.
+//   Bad input  NaN or infinity (of a double, anything above 1e150), an inverted box, negative half extents: nothing is kept. A plane
 //              without a normal keeps all where 0 <= offset, and nothing otherwise.
 //   Cost       O(corners x planes); no allocation but for a clipper's buffers; thread-safe.
 #pragma once

@@ -5,13 +5,11 @@
 //   float depth = -geo::extent(floor, ball).lowest;
 //
 // Distances are dot(normal, x) - offset: metres where the normal is of unit length, otherwise metres times its length.
-//   Accuracy   computed in double, float rounded once. Points, triangles, hulls and AABBs: distances within 4 ulp of
-//   double, and sides
-//              with margin 0 always right. Spheres, capsules, OBBs: sides are those of the exact plane moved by at most
-//              12 eps of the shape's size (radius, half diagonal) and its distance; eps is that of double, far from the
-//              world's origin too. Pinned in tests/collision/plane_tests_test.cpp.
-//   Bad input  NaN anywhere, an inverted box, a negative radius or half extent, an empty hull: Across, and NaN for
-//   distances. Numbers
+//   Accuracy   computed in double, float rounded once. Points, triangles, hulls and AABBs: distances within 4 ulp of double, and sides
+//              with margin 0 always right. Spheres, capsules, OBBs: sides are those of the exact plane moved by at most 12 eps of the
+//              shape's size (radius, half diagonal) and its distance; eps is that of double, far from the world's origin too. Pinned
+//              in tests/collision/plane_tests_test.cpp.
+//   Bad input  NaN anywhere, an inverted box, a negative radius or half extent, an empty hull: Across, and NaN for distances. Numbers
 //              above 1e150 in double may count as such, and below 1e-150 the sign is no longer exact.
 //   Cost       O(1), hull O(n); no allocation, thread-safe.
 #pragma once

@@ -5,18 +5,16 @@
 //   if (auto inside = geo::ray_interval(ball, ray)) { inside->t_enter; inside->t_exit; }
 //
 // For all of them:
-//   t          counts lengths of the ray's direction; a t that double (float) cannot hold is infinite, and never that
-//   of a hit. Verdict    solids are closed: what touches, hits. A hit has t_min <= t <= t_max. Bad input  NaN or
-//   infinity in origin, direction or shape, a zero direction, t_min > t_max, an inverted box, a negative radius,
-//              and what primitives.hpp forbids for a shape (a cylinder of no height, a zero normal): no hit. Never a
-//              NaN in a result. -0 is 0; t_min and t_max may be infinite.
-//   Accuracy   in double, and float is computed in double and rounded once. Each function states k: the answer is that
-//   of the exact
-//              shape with its surface moved by at most k eps S, and t besides is rounded to T; eps is that of double
-//              (2.3e-16), S the distance of the ray's origin from the shape's center (tip, corner) plus the shape's
-//              size, plus, for underflow, 1e-120 of the largest coordinate. So verdicts are exact outside of k eps S,
-//              near the world's origin and far from it. Pinned in tests/collision/ray_primitives_test.cpp against exact
-//              rationals.
+//   t          counts lengths of the ray's direction; a t that double (float) cannot hold is infinite, and never that of a hit.
+//   Verdict    solids are closed: what touches, hits. A hit has t_min <= t <= t_max.
+//   Bad input  NaN or infinity in origin, direction or shape, a zero direction, t_min > t_max, an inverted box, a negative radius, and
+//              what primitives.hpp forbids for a shape (a cylinder of no height, a zero normal): no hit. Never a NaN in a result. -0 is
+//              0; t_min and t_max may be infinite.
+//   Accuracy   in double, and float is computed in double and rounded once. Each function states k: the answer is that of the exact
+//              shape with its surface moved by at most k eps S, and t besides is rounded to T; eps is that of double (2.3e-16), S the
+//              distance of the ray's origin from the shape's center (tip, corner) plus the shape's size, plus, for underflow, 1e-120
+//              of the largest coordinate. So verdicts are exact outside of k eps S, near the world's origin and far from it. Pinned in
+//              tests/collision/ray_primitives_test.cpp against exact rationals.
 //   Cost       O(1), no allocation, thread-safe.
 #pragma once
 
