@@ -35,8 +35,7 @@ struct Camera {
 /// Which z a projection maps the near and far planes to.
 enum class ClipDepth {
     MinusOneToOne,  ///< OpenGL
-    ZeroToOne,      ///< Direct3D, Vulkan, Metal; reversed z too, where left to top are as usual and near and far change
-                    ///< places
+    ZeroToOne,      ///< Direct3D, Vulkan, Metal; reversed z too, where left to top are as usual and near and far change places
 };
 
 enum class Containment { Outside, Across, Inside };
