@@ -1,39 +1,15 @@
 #include <carom/collision/static_bvh.hpp>
 
+#include <carom/collision/detail/check_mesh.hpp>
 #include <carom/collision/detail/wide_build.hpp>
 #include <carom/collision/detail/wide_bvh.hpp>
 
-#include <string>
 #include <utility>
 
 namespace carom {
 namespace {
 
 static_assert(StaticBvh::kMaxTriangles == WideBvh::kMaxTriangles);
-
-Status check(std::span<const vec3> vertices, std::span<const StaticBvh::Triangle> triangles) {
-    constexpr const char* kWhere = "StaticBvh::build";
-    if (triangles.empty()) return Error{ErrorCode::Empty, "a hierarchy needs at least one triangle", kWhere};
-    if (triangles.size() > StaticBvh::kMaxTriangles) {
-        return Error{ErrorCode::InvalidArgument, "a hierarchy holds at most 2^28 triangles", kWhere};
-    }
-    for (std::size_t i = 0; i < vertices.size(); ++i) {
-        if (!is_finite(vertices[i])) {
-            return Error{ErrorCode::NotFinite, "vertex " + std::to_string(i) + " is not finite", kWhere};
-        }
-    }
-    for (std::size_t i = 0; i < triangles.size(); ++i) {
-        for (const std::uint32_t v : triangles[i]) {
-            if (v >= vertices.size()) {
-                return Error{ErrorCode::InvalidArgument,
-                             "triangle " + std::to_string(i) + " names vertex " + std::to_string(v) + " of " +
-                                 std::to_string(vertices.size()),
-                             kWhere};
-            }
-        }
-    }
-    return {};
-}
 
 }  // namespace
 
@@ -43,7 +19,7 @@ StaticBvh& StaticBvh::operator=(StaticBvh&&) noexcept = default;
 StaticBvh::~StaticBvh() = default;
 
 Result<StaticBvh> StaticBvh::build(std::span<const vec3> vertices, std::span<const Triangle> triangles, Executor& executor) {
-    if (Status status = check(vertices, triangles); !status) return status.error();
+    if (Status status = check_mesh(vertices, triangles, "StaticBvh::build"); !status) return status.error();
     return StaticBvh(build_wide_bvh(vertices, triangles, executor));
 }
 

@@ -205,6 +205,11 @@ WideBvh build_wide_bvh(std::span<const vec3> vertices, std::span<const Corners> 
     for (const vec3& v : vertices) largest = std::max({largest, std::abs(v.x), std::abs(v.y), std::abs(v.z)});
     out.scale = scale_for(largest);
 
+    if (out.scale < 1.0f) {
+        const float back = 1.0f / out.scale;
+        for (const vec3& v : vertices) out.lossless = out.lossless && back * (out.scale * v) == v;
+    }
+
     HugePageVector<SahItem> items(triangles.size());
     HugePageVector<Corners> corners(triangles.size());
     executor.parallel_for(triangles.size(), 4096, [&](std::size_t begin, std::size_t end) {
