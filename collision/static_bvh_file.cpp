@@ -4,6 +4,7 @@
 
 #include <carom/collision/detail/wide_bvh.hpp>
 #include <carom/collision/detail/wide_check.hpp>
+#include <carom/collision/detail/wide_refit.hpp>
 #include <carom/core/hash.hpp>
 
 #include <algorithm>
@@ -33,7 +34,7 @@ struct Header {
     std::uint64_t nodes = 0, leaves = 0, triangles = 0;
     float scale = 1.0f;
     float lower[3] = {}, upper[3] = {};
-    std::uint32_t reserved = 0;
+    std::uint32_t lossless = 1;
     double cost = 0.0, built_cost = 0.0;
     std::uint64_t checksum = 0;  ///< of all bytes of the file but these eight, which come last in the header
 };
@@ -84,7 +85,7 @@ template <class Stream, class T>
 void each_field(Stream& stream, T& h) {
     stream.numbers(&h.magic, 1), stream.numbers(&h.version, 1), stream.numbers(&h.width, 1);
     stream.numbers(&h.nodes, 1), stream.numbers(&h.leaves, 1), stream.numbers(&h.triangles, 1);
-    stream.numbers(&h.scale, 1), stream.numbers(h.lower, 3), stream.numbers(h.upper, 3), stream.numbers(&h.reserved, 1);
+    stream.numbers(&h.scale, 1), stream.numbers(h.lower, 3), stream.numbers(h.upper, 3), stream.numbers(&h.lossless, 1);
     stream.numbers(&h.cost, 1), stream.numbers(&h.built_cost, 1), stream.numbers(&h.checksum, 1);
 }
 template <class Stream, class T>
@@ -124,7 +125,7 @@ Result<Header> read_header(std::span<const std::byte> bytes) {
     }
     if (header.nodes * kNodeLines + header.leaves * kLeafLines > kMostLines) return fault("larger than a tree can be");
     if (header.checksum != checksum_of(bytes)) return fault("the checksum is wrong");
-    const bool plain = header.reserved == 0 && header.cost > 0.0 && header.built_cost > 0.0 && is_finite(header.cost + header.built_cost);
+    const bool plain = header.lossless <= 1 && header.cost > 0.0 && header.built_cost > 0.0 && is_finite(header.cost + header.built_cost);
     if (!plain) return fault("a header that no tree has");
     return header;
 }
@@ -155,6 +156,7 @@ std::vector<std::byte> StaticBvh::save() const {
     const WideBvh& tree = *wide_;
     Header header{.nodes = tree.node_count, .leaves = tree.leaf_count, .triangles = tree.triangle_count, .scale = tree.scale};
     for (int k = 0; k < 3; ++k) header.lower[k] = tree.lower[k], header.upper[k] = tree.upper[k];
+    header.lossless = tree.lossless ? 1u : 0u;
     header.cost = tree.sah_cost, header.built_cost = tree.built_cost;
 
     std::vector<std::byte> bytes(kHeaderSize + tree.node_count * kNodeSize + tree.leaf_count * kLeafSize);
@@ -189,7 +191,9 @@ Result<StaticBvh> StaticBvh::load(std::span<const std::byte> bytes) {
     tree.scale = header->scale;
     tree.lower = {header->lower[0], header->lower[1], header->lower[2]};
     tree.upper = {header->upper[0], header->upper[1], header->upper[2]};
+    tree.lossless = header->lossless != 0;
     tree.sah_cost = header->cost;
+    tree.far_reach = far_reach_of(tree);
     tree.built_cost = header->built_cost;
     if (header->triangles > header->leaves * kWidth) return fault("more triangles than its leaves hold");
     if (!read_lines(Reader(bytes.data() + kHeaderSize), *header, tree)) return fault("something that is neither node nor leaf");

@@ -5,8 +5,8 @@
 //
 // Queries are written against this file alone. Invariants, beyond what the fields say:
 //  - Coordinates are those of the mesh times `scale`, a power of two; it is 1 unless the mesh is tinier than 2^-20 or larger than
-//    2^20, so that products neither overflow nor underflow. Leaf coordinates / scale are the mesh's own bits, save for coordinates
-//    below 2^-80 of a mesh larger than 2^40.
+//    2^20, so that products neither overflow nor underflow. Leaf coordinates / scale are the mesh's own bits, save
+//    where a mesh larger than 2^20 has coordinates so small that they become denormal; `lossless` tells.
 //  - A child's box is the exact box of the vertices of the triangles below it; boxes of siblings may overlap.
 //  - Children stand in lanes 0, 1, ... without gaps; a lane without a child has the box [+inf, -inf] and child 0.
 //  - Each triangle of the mesh is in exactly one leaf, degenerate ones too, and the numbers in a leaf ascend.
@@ -57,6 +57,8 @@ struct WideBvh {
     static constexpr std::size_t kMaxStack = kMaxDepth * (kWidth - 1) + 1;   ///< of a depth-first traversal
     static constexpr std::size_t kMaxTriangles = std::size_t{1} << 28;       ///< so that lines fit into a WideRef
 
+    static constexpr float kFar = 8.0f;
+
     struct alignas(64) Line {
         std::byte bytes[64];
     };
@@ -66,10 +68,14 @@ struct WideBvh {
     std::size_t leaf_count = 0;
     std::size_t triangle_count = 0;
     float scale = 1.0f;
-    vec3 lower{0.0f};             ///< box of the triangles, scaled
+    bool lossless = true;          ///< leaf coordinates / scale are the mesh's own, to the bit
+    alignas(16) vec3 lower{0.0f};  ///< box of the triangles, scaled; lanes read each corner with a fourth float
+    float zero_lower = 0.0f;
     vec3 upper{0.0f};
-    double sah_cost = 0.0;        ///< see StaticBvh::sah_cost
-    double built_cost = 0.0;      ///< what sah_cost was when the tree was built
+    float zero_upper = 0.0f;
+    float far_reach = 0.0f;        ///< kFar sizes where scale is 1, else -1: rays from further off are moved or scaled first
+    double sah_cost = 0.0;         ///< see StaticBvh::sah_cost
+    double built_cost = 0.0;       ///< what sah_cost was when the tree was built
 
     [[nodiscard]] static constexpr WideRef root() noexcept { return 0; }
     [[nodiscard]] const WideNode& node(WideRef ref) const noexcept {

@@ -47,6 +47,17 @@ float wide_scale_for(float largest) noexcept {
     return std::ldexp(1.0f, std::clamp(-exponent, -120, 120));
 }
 
+bool scales_without_loss(std::span<const vec3> vertices, float scale) noexcept {
+    if (scale >= 1.0f) return true;
+    const float back = 1.0f / scale;
+    return std::all_of(vertices.begin(), vertices.end(), [&](const vec3& v) { return back * (scale * v) == v; });
+}
+
+float far_reach_of(const WideBvh& tree) noexcept {
+    const vec3 size = tree.upper - tree.lower;
+    return tree.scale == 1.0f ? WideBvh::kFar * std::max({size.x, size.y, size.z}) : -1.0f;
+}
+
 Status refit_wide_bvh(WideBvh& tree, std::span<const vec3> vertices, std::span<const Corners> triangles) {
     constexpr const char* kWhere = "StaticBvh::refit";
     float largest = 0.0f;
@@ -82,6 +93,8 @@ Status refit_wide_bvh(WideBvh& tree, std::span<const vec3> vertices, std::span<c
     }
     moved.lower = boxes[0].lower;
     moved.upper = boxes[0].upper;
+    moved.lossless = scales_without_loss(vertices, moved.scale);
+    moved.far_reach = far_reach_of(moved);
     moved.sah_cost = cost / weight_of(boxes[0]);
     tree = std::move(moved);
     return {};
