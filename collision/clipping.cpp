@@ -26,9 +26,17 @@ bool is_usable(const Obb<double>& b) {
            is_usable(b.axes[1]) && is_usable(b.axes[2]);
 }
 
+/// A tiny normal would lose its digits in products, unless they are so far from the offset that only its sign counts.
+template <class T>
+Plane<double> usable(const Plane<T>& given) {
+    const Plane<double> plane = widened(given);
+    const Plane<double> scaled = balanced(plane);
+    return is_usable(scaled) ? scaled : plane;
+}
+
 Plane<double> flipped(const Plane<double>& p) { return {-p.normal, -p.offset}; }
 
-/// The part of a segment that is left, and which constraint cut its ends.
+/// The part of a segment that is left.
 struct Part {
     double from = 0.0;
     double to = 1.0;
@@ -85,7 +93,7 @@ template <class T>
 std::optional<ClippedSegment<T>> clip(const Segment<T>& segment, std::span<const Plane<T>> planes) noexcept {
     Part part;
     const auto keep = [&](const Plane<T>& p) {
-        return keep_below(part, widened(p), dvec3(segment.a), dvec3(segment.b));
+        return keep_below(part, usable(p), dvec3(segment.a), dvec3(segment.b));
     };
     if (!is_usable(segment) || !std::ranges::all_of(planes, keep)) {
         return std::nullopt;
@@ -97,7 +105,7 @@ template <class T>
 std::optional<ClippedSegment<T>> clip(const Segment<T>& segment, const Frustum<T>& frustum) noexcept {
     Part part;
     const auto keep = [&](const Plane<T>& p) {
-        return keep_below(part, flipped(widened(p)), dvec3(segment.a), dvec3(segment.b));
+        return keep_below(part, flipped(usable(p)), dvec3(segment.a), dvec3(segment.b));
     };
     if (!is_usable(segment) || !std::ranges::all_of(frustum.planes, keep)) {
         return std::nullopt;
@@ -236,7 +244,7 @@ std::span<const Vec3<T>> PolygonClipper<T>::clip(std::span<const Vec3<T>> polygo
         corners_.clear();
     }
     for (const Plane<T>& plane : planes) {
-        cut(widened(plane));
+        cut(usable(plane));
     }
     return result();
 }
@@ -247,7 +255,7 @@ std::span<const Vec3<T>> PolygonClipper<T>::clip(std::span<const Vec3<T>> polygo
         corners_.clear();
     }
     for (const Plane<T>& plane : frustum.planes) {
-        cut(flipped(widened(plane)));
+        cut(flipped(usable(plane)));
     }
     return result();
 }

@@ -43,25 +43,10 @@ inline constexpr unsigned kLengths<Plane> = 0b1'000u;
 template <>
 inline constexpr unsigned kLengths<Disc> = 0b1'000'111u;
 
-/// @return 0 for sizes of which products of four stay in range, otherwise the power of two that brings `size` near 1.
-/// Held back from powers that double lacks, which are still enough to bring any size into range.
-int excess(double size) {
-    if ((size > 0x1p-150 && size < 0x1p150) || size == 0.0) [[likely]] {
-        return 0;
-    }
-    int exponent = 0;
-    static_cast<void>(std::frexp(size, &exponent));
-    return std::clamp(exponent, -1000, 1000);
-}
-
 template <class Shape>
 void balance_normal(Shape&) {}
 void balance_normal(Disc<double>& disc) { disc.normal *= std::ldexp(1.0, -excess(largest(disc.normal))); }
-void balance_normal(Plane<double>& plane) {
-    const double scale = std::ldexp(1.0, -excess(largest(plane.normal)));
-    plane.normal *= scale;
-    plane.offset *= scale;
-}
+void balance_normal(Plane<double>& plane) { plane = balanced(plane); }
 
 /// A ray's line with its lengths, and those of what it meets, scaled by powers of two; t is exact up to a power of two.
 struct ScaledLine {
