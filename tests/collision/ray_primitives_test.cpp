@@ -115,6 +115,60 @@ TYPED_TEST(RayPrimitives, RaysAtTheTipOfAConeAndAlongItsSide) {
     }
 }
 
+TYPED_TEST(RayPrimitives, RaysNearlyAlongAnAxisAreRightToo) {
+    using T = TypeParam;
+    Random random(4104);
+    for (int i = 0; i < 200; ++i) {
+        const auto number = [&] { return static_cast<T>(random.range(-2.0, 2.0)); };
+        const T z = number();
+        const geo::Segment<T> axis{{number(), number(), z}, {number(), number(), number()}};
+        const glm::mat<3, 3, T> about = test::axes_about(axis.b - axis.a);
+        const T radius = std::abs(number());
+        const T tilt = std::ldexp(T(1), -i % 60);
+        geo::Ray<T> ray{.origin = axis.a + about[0] * radius * (T(1) + number() * tilt) - about[2]};
+        ray.direction = about[2] + about[i % 2] * tilt * number();
+        EXPECT_EQ(test::solid_fault(geo::Cylinder<T>{axis, radius}, ray), "") << i;
+        EXPECT_EQ(test::solid_fault(geo::Capsule<T>{axis, radius}, ray), "") << i;
+    }
+}
+
+TYPED_TEST(RayPrimitives, AnOriginExactlyOnASphereIsAtZero) {
+    using T = TypeParam;
+    Random random(4105);
+    for (const geo::Vec3<T>& on : {geo::Vec3<T>{3, 4, 0}, {0, -5, 0}, {-4, 0, 3}}) {
+        for (int i = 0; i < 100; ++i) {
+            const geo::Vec3<T> direction(
+                dvec3{random.range(-1.0, 1.0), random.range(-1.0, 1.0), random.range(-1.0, 1.0)});
+            const auto inside = geo::ray_interval(geo::Sphere<T>{{T(7), T(7), T(7)}, T(5)},
+                                                  {.origin = on + T(7), .direction = direction});
+            ASSERT_TRUE(inside);
+            EXPECT_EQ(glm::dot(dvec3(on), dvec3(direction)) < 0.0 ? inside->t_enter : inside->t_exit, T(0));
+        }
+    }
+}
+
+TYPED_TEST(RayPrimitives, NeedlesAreAsExactAsOtherTriangles) {
+    using T = TypeParam;
+    Random random(4106);
+    int hits = 0;
+    for (int i = 0; i < 300; ++i) {
+        const auto point = [&] {
+            return geo::Vec3<T>(dvec3{random.range(-1.0, 1.0), random.range(-1.0, 1.0), random.range(-1.0, 1.0)});
+        };
+        const geo::Vec3<T> tip = point();
+        const geo::Vec3<T> end = point();
+        const geo::Triangle<T> needle{tip, end, end + point() * std::ldexp(T(1), -i % 45)};
+        const T along = static_cast<T>(random.unit());
+        const geo::Ray<T> ray{.origin = point() + T(2),
+                              .direction = tip + (T(0.5) * (needle.b + needle.c) - tip) * along};
+        const geo::Ray<T> aimed{.origin = ray.origin, .direction = ray.direction - ray.origin};
+        const auto hit = geo::cast_ray(needle, aimed);
+        EXPECT_EQ(test::flat_fault(needle, hit, aimed), "") << i;
+        hits += hit ? 1 : 0;
+    }
+    EXPECT_GT(hits, 100);
+}
+
 TYPED_TEST(RayPrimitives, NormalsAreThoseOfTheSurface) {
     using T = TypeParam;
     const T tolerance = T(16) * std::numeric_limits<T>::epsilon();
