@@ -42,7 +42,7 @@ using BlockTag = hn::Simd<float, 4, 0>;
 template <int lanes>
 HWY_INLINE auto load_blocks(const float* base, const std::int32_t* rows, std::size_t stride) {
     if constexpr (lanes == 4) {
-        return hn::Load(BlockTag(), base + static_cast<std::size_t>(rows[0]) * stride);
+        return hn::LoadU(BlockTag(), base + static_cast<std::size_t>(rows[0]) * stride);
     } else {
         const auto low = load_blocks<lanes / 2>(base, rows, stride);
         const auto high = load_blocks<lanes / 2>(base, rows + lanes / 2, stride);
@@ -74,7 +74,7 @@ HWY_INLINE void store_blocks(V a, V b, V c, V d, float* base, const std::int32_t
 
 /// Lane l of a, b, c, d becomes the four floats at base + rows[l] * row_stride + column.
 /// @param rows        (kLanes,), >= 0; repeats are allowed.
-/// @param row_stride  in floats. `base`, `row_stride` and `column` keep every read 16-byte aligned.
+/// @param row_stride  in floats. Reads of any alignment are right; those that straddle a cache line cost more.
 HWY_INLINE void gather_rows(const float* base, const std::int32_t* rows, std::size_t row_stride, std::size_t column,
                             Floats& a, Floats& b, Floats& c, Floats& d) {
     base += column;
@@ -91,7 +91,7 @@ HWY_INLINE void gather_rows(const float* base, const std::int32_t* rows, std::si
 }
 
 /// Writes lane l of a, b, c, d to the four floats at base + rows[l] * row_stride + column, in lane order: of lanes that
-/// share a row, the last one's values stay. Alignment as for gather_rows.
+/// share a row, the last one's values stay. `base`, `row_stride` and `column` keep every write 16-byte aligned.
 /// @param limit  rows >= limit are not written: data that must not change and that other threads may read.
 HWY_INLINE void scatter_rows(float* base, const std::int32_t* rows, std::size_t row_stride, std::size_t column, Floats a,
                              Floats b, Floats c, Floats d, std::int32_t limit = INT32_MAX) {

@@ -9,6 +9,8 @@ double sum_of_sizes(const dvec3& v) noexcept { return std::fabs(v.x) + std::fabs
 
 // Beyond this sine an edge axis has all but two of its digits, and is as good as a face's.
 constexpr double kSteep = 0.25;
+// In parts of the axes' error: below this sine two edges are parallel.
+constexpr double kParallel = 4.0;
 
 // Box b in the frame of box a: centre t, axes the columns of r.
 Verdict separate_boxes(const dvec3& ha, const dvec3& hb, const dvec3& t, const dmat3& r, double error) noexcept {
@@ -30,12 +32,13 @@ Verdict separate_boxes(const dvec3& ha, const dvec3& hb, const dvec3& t, const d
         const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
         for (int j = 0; j < 3; ++j) {
             const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+            // Parallel to rounding: the boxes' faces decide, and turning b to exactly parallel moves it by a rounding.
+            const double sine = std::max(s[j][i1], s[j][i2]);
+            if (sine <= kParallel * error) continue;
             const double reach = (ha[i1] * s[j][i2] + ha[i2] * s[j][i1]) + (hb[j1] * s[j2][i] + hb[j2] * s[j1][i]);
             const double gap = std::fabs(t[i2] * r[j][i1] - t[i1] * r[j][i2]) - reach;
             if (gap > tolerance) return Verdict::Apart;
-            // Parallel to rounding: the boxes' faces decide, and turning b to exactly parallel moves it by a rounding.
-            const double sine = std::max(s[j][i1], s[j][i2]);
-            unclear |= gap >= -tolerance && sine < kSteep && sine > 4.0 * error;
+            unclear |= gap >= -tolerance && sine < kSteep;
         }
     }
     return unclear ? Verdict::Unclear : Verdict::Together;
