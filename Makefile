@@ -42,8 +42,8 @@ asan tsan: setup
 bench: PACKAGES += bench
 bench: setup
 	@cmake --preset release $(CONFIGURE) -DCAROM_BENCH=ON
-	@cmake --build --preset release --target bench_step -j $(JOBS)
-	@echo "Built build/release/bin/bench_step, a Google Benchmark program"
+	@cmake --build --preset release --target bench_step bench_primitives -j $(JOBS)
+	@echo "Built build/release/bin/bench_step and bench_primitives, Google Benchmark programs"
 
 peers: PACKAGES += peers
 peers: setup
