@@ -17,7 +17,7 @@ CONFIGURE = -DCAROM_VIZ=$(VIZ) -DCAROM_WERROR=$(WERROR) \
 PICTURES = $(if $(filter ON,$(VIZ)),--picture out/demo/picture.png --vtk out/demo)
 SOURCES = $(wildcard core collision broadphase narrowphase dynamics viz scenes studies cli bench tests examples)
 
-.PHONY: demo test asan tsan bench peers format tidy clean setup
+.PHONY: demo test asan tsan fuzz bench peers format tidy clean setup
 .DEFAULT_GOAL := demo
 
 demo: setup
@@ -38,6 +38,20 @@ asan tsan: setup
 	@cmake --preset $(SANITIZED) $(CONFIGURE) -DCAROM_WERROR=OFF
 	@cmake --build --preset $(SANITIZED) -j $(JOBS)
 	@tools/with_display.sh ctest --preset $(SANITIZED) -j $(JOBS)
+
+# Each fuzzer for FUZZ_SECONDS, from the inputs in tests/fuzz/corpus. What it finds to be new stays in out/fuzz/<name>; an input that
+# breaks something is named there too, and is the argument to run the program with again.
+FUZZ_SECONDS ?= 60
+fuzz: PACKAGES = base tests fuzz
+fuzz: setup
+	@cmake --preset fuzz $(filter -DCMAKE_CXX_COMPILER_LAUNCHER=%,$(CONFIGURE))
+	@cmake --build --preset fuzz --target fuzzers -j $(JOBS)
+	@set -e; for source in tests/fuzz/*_fuzz.cpp; do \
+	    program=$$(basename $$source .cpp); name=$${program%_fuzz}; mkdir -p out/fuzz/$$name; \
+	    echo "$$program for $(FUZZ_SECONDS) s"; \
+	    build/fuzz/bin/$$program -max_total_time=$(FUZZ_SECONDS) -max_len=512 -print_final_stats=1 -verbosity=0 \
+	        -artifact_prefix=out/fuzz/$$name- out/fuzz/$$name $$(ls -d tests/fuzz/corpus/$$name 2>/dev/null); \
+	done
 
 bench: PACKAGES += bench
 bench: setup

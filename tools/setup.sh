@@ -1,7 +1,7 @@
 #!/usr/bin/env bash
 # Installs the Debian packages that a build needs: only those that are missing, and nothing where none is.
 #
-#   tools/setup.sh base tests viz        groups: base tests viz bench peers format tidy
+#   tools/setup.sh base tests viz        groups: base tests viz bench peers fuzz format tidy
 #
 # Uses sudo only where it is not run by root. On a system without apt-get it prints the list and succeeds, so that a build
 # with the same libraries from elsewhere can go on. Exit code 1: something is missing and could not be installed.
@@ -16,9 +16,10 @@ packages_of() {
         viz) echo "libvtk9-dev libx11-dev xvfb xauth libgl1-mesa-dri libglx-mesa0" ;;
         bench) echo "libbenchmark-dev" ;;
         peers) echo "libbullet-dev libode-dev" ;;
+        fuzz) echo "clang-16 libclang-rt-16-dev" ;;  # as for tidy
         format) echo "clang-format-14" ;;
         tidy) echo "clang-tidy-16" ;;  # the first in Debian 12 that knows std::source_location
-        *) echo "setup: unknown group '$1' (base tests viz bench peers format tidy)" >&2; return 2 ;;
+        *) echo "setup: unknown group '$1' (base tests viz bench peers fuzz format tidy)" >&2; return 2 ;;
     esac
 }
 
