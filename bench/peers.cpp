@@ -1,6 +1,8 @@
 // peers: the same work through Carom and through other engines of Debian, side by side. docs/performance.md is the manual.
 //
 //   peers step pile_boxes/4000 --json out.json
+//   peers rays bumpy1m
+#include <carom/bench/rays_group.hpp>
 #include <carom/bench/step_group.hpp>
 
 #include <carom/core/output_file.hpp>
@@ -29,23 +31,24 @@ int run(int argc, char** argv) {
     CLI::App app{"The same work through Carom and other engines, side by side. Times are CPU time on one thread."};
     app.name("peers");
     std::string group, filter, json;
-    app.add_option("GROUP", group, "step: whole steps against Bullet and ODE")->required();
-    app.add_option("FILTER", filter, "only the rows whose bench/peer contains this, e.g. pile_boxes/4000 or bullet");
+    app.add_option("GROUP", group, "step: whole steps against Bullet and ODE; rays: single rays against Embree")->required();
+    app.add_option("FILTER", filter, "only the rows whose bench/peer contains this, e.g. pile_boxes/4000 or embree-fast");
     CLI::Option* json_option = app.add_option("--json", json, "write the rows into this file; - prints them, and the table goes to stderr");
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? kOk : kBadInput;
     }
-    if (group != "step") {
-        return fail(kBadInput, {ErrorCode::UnknownName, fmt::format("no group is called \"{}\"; there is step", group), "group"});
+    if (group != "step" && group != "rays") {
+        return fail(kBadInput, {ErrorCode::UnknownName, fmt::format("no group is called \"{}\"; there are step and rays", group), "group"});
     }
 
     const bool wants_json = !json_option->empty();
     if (wants_json) {
         if (Status status = check_writable(json); !status) return fail(kBadInput, status.error());
     }
-    const Result<std::vector<Row>> rows = run_step_group({.filter = filter, .table = json == "-" ? stderr : stdout});
+    const GroupRequest request{.filter = filter, .table = json == "-" ? stderr : stdout};
+    const Result<std::vector<Row>> rows = group == "step" ? run_step_group(request) : run_rays_group(request);
     if (!rows) return fail(kBadInput, rows.error());
     if (wants_json) {
         if (Status status = write_text(json, to_json(*rows).dump(2) + "\n"); !status) return fail(kFailed, status.error());

@@ -1,0 +1,61 @@
+// The static hierarchy of a set of triangles, for rays and other queries: built once, immutable.
+//
+//   Result<StaticBvh> bvh = StaticBvh::build(vertices, triangles);
+//   if (MeshHit hit = closest_hit(*bvh, ray)) ...                         // mesh_rays.hpp
+#pragma once
+
+#include <carom/collision/aabb.hpp>
+#include <carom/core/executor.hpp>
+#include <carom/core/result.hpp>
+#include <carom/core/types.hpp>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <span>
+
+namespace carom {
+
+struct WideBvh;  // <carom/collision/detail/wide_bvh.hpp>
+
+/// A 16-wide tree of boxes whose leaves hold up to 16 triangles with their vertices, so that queries need nothing else.
+///
+/// Vertices are welded by exact position, so soup costs what an indexed mesh does; some 42 bytes a triangle for a smooth surface.
+class StaticBvh {
+public:
+    using Triangle = std::array<std::uint32_t, 3>;
+    static constexpr std::size_t kMaxTriangles = std::size_t{1} << 28;
+
+    /// @param vertices   (n,), finite; any unit.
+    /// @param triangles  (m,) indices below n, 1 <= m <= kMaxTriangles; degenerate ones are kept.
+    /// @param executor   builds large trees in parallel; the tree is the same on every thread count and SIMD width.
+    /// @return the tree; Empty, NotFinite or InvalidArgument (an index out of range, by triangle).
+    /// Cost: O(m log m), some 0.5 us a triangle on one thread.
+    /// Source: binned surface-area heuristic (Wald 2007), folded into wide nodes by a dynamic programme (Ylitie, Karras, Laine,
+    /// HPG 2017, section 3.2).
+    [[nodiscard]] static Result<StaticBvh> build(std::span<const vec3> vertices, std::span<const Triangle> triangles,
+                                                 Executor& executor);
+    [[nodiscard]] static Result<StaticBvh> build(std::span<const vec3> vertices, std::span<const Triangle> triangles);
+
+    StaticBvh(StaticBvh&&) noexcept;
+    StaticBvh& operator=(StaticBvh&&) noexcept;
+    ~StaticBvh();
+
+    [[nodiscard]] std::size_t triangle_count() const noexcept;
+    /// @return the memory of the tree.
+    [[nodiscard]] std::size_t bytes() const noexcept;
+    /// @return what a random line through the root's box is expected to cost: for each node and leaf the area of its box over the
+    /// root's, nodes below the root counted twice. Lower is faster.
+    [[nodiscard]] double sah_cost() const noexcept;
+    /// @return the box of the triangles.
+    [[nodiscard]] Aabb bounds() const noexcept;
+    /// For queries in this library.
+    [[nodiscard]] const WideBvh& wide() const noexcept { return *wide_; }
+
+private:
+    explicit StaticBvh(WideBvh&& wide);
+    std::unique_ptr<const WideBvh> wide_;
+};
+
+}  // namespace carom
