@@ -1,0 +1,138 @@
+// The studies "rays": casts against meshes whose every answer is known exactly, and against ever finer meshes of a ball.
+#include <carom/studies/accuracy/catalogue.hpp>
+#include <carom/studies/accuracy/ray_problem.hpp>
+
+#include <carom/collision/convex_hull.hpp>
+#include <carom/core/random.hpp>
+#include <carom/scenes/meshes.hpp>
+
+#include <fmt/format.h>
+
+#include <glm/geometric.hpp>
+
+#include <cmath>
+
+namespace carom::accuracy {
+namespace {
+
+constexpr const char* kStage = "primitive and ray tests";
+constexpr const char* kError = "share of wrong verdicts, and the mean relative error of the distance otherwise";
+
+// Casts every ray of the problem. `prepare` turns a part into the function that casts a ray against it; that is not timed.
+template <class Prepare>
+Candidate caster(std::string who, Settings settings, std::shared_ptr<const RayProblem> problem, Prepare prepare) {
+    using Cast = decltype(prepare(problem->parts.front()));
+    std::vector<Cast> casts;
+    for (const RayCases& part : problem->parts) {
+        casts.push_back(prepare(part));
+    }
+    return {std::move(who), std::move(settings), [problem, casts] {
+                std::vector<RayAnswers> answers(problem->parts.size());
+                for (std::size_t p = 0; p < answers.size(); ++p) {
+                    answers[p].resize(problem->parts[p].rays.size());
+                }
+                const Stopwatch watch;
+                for (std::size_t p = 0; p < answers.size(); ++p) {
+                    const std::vector<Ray>& rays = problem->parts[p].rays;
+                    for (std::size_t i = 0; i < rays.size(); ++i) {
+                        answers[p][i] = casts[p](rays[i]);
+                    }
+                }
+                return judge(*problem, answers, watch.seconds());
+            }};
+}
+
+std::optional<double> distance(const std::optional<RayHit>& hit) {
+    return hit ? std::optional<double>(hit->distance) : std::nullopt;
+}
+
+dvec3 to_float(const dvec3& v) { return dvec3(vec3(v)); }
+
+Study study_of(const std::shared_ptr<const RayProblem>& problem) {
+    Study study{.name = problem->name,
+                .stage = kStage,
+                .error = kError,
+                .unit = "1",
+                .oracle = fmt::format("first hit in exact integer arithmetic; {} rays: {}", problem->ray_count(), problem->summary),
+                .candidates = {}};
+    const auto in_double = [](const RayCases& part) {
+        return [shape = Shape(part.mesh), pose = Pose{.position = part.offset}](const Ray& ray) {
+            return distance(cast_ray(shape, pose, ray));
+        };
+    };
+    // What a world in float would ask: poses and rays rounded before anything else happens.
+    const auto in_float_world = [](const RayCases& part) {
+        return [shape = Shape(part.mesh), pose = Pose{.position = to_float(part.offset)}](const Ray& ray) {
+            return distance(cast_ray(shape, pose, {.origin = to_float(ray.origin), .direction = to_float(ray.direction)}));
+        };
+    };
+    study.candidates.push_back(caster("carom", {{"world", "double"}, {"test", "double"}, {"tree", "binary"}}, problem, in_double));
+    study.candidates.push_back(caster("carom", {{"world", "float"}, {"test", "double"}, {"tree", "binary"}}, problem, in_float_world));
+    return study;
+}
+
+// Rays at a ball of radius 1 from three radii away, with the distance by the quadratic in long double.
+std::shared_ptr<const RayProblem> ball_problem(std::size_t count) {
+    RayProblem problem{"rays_ball", "rays at 0.95 of a ball of radius 1 from three radii away", {}};
+    RayCases& cases = problem.parts.emplace_back();
+    Random random(3302);
+    while (cases.rays.size() < count) {
+        const auto cube = [&](double half) {
+            const double x = random.range(-half, half), y = random.range(-half, half);
+            return dvec3{x, y, random.range(-half, half)};
+        };
+        const dvec3 from = cube(1.0), to = cube(0.95);
+        if (glm::length(from) < 0.1 || glm::length(to) > 0.95) continue;
+        const Ray ray{.origin = from * (3.0 / glm::length(from)), .direction = to - from * (3.0 / glm::length(from))};
+        const glm::vec<3, long double> o(ray.origin), d(ray.direction);
+        const long double dd = glm::dot(d, d), od = glm::dot(o, d), c = glm::dot(o, o) - 1.0L;
+        const long double root = std::sqrt(od * od - dd * c);
+        cases.rays.push_back(ray);
+        cases.exact.push_back(static_cast<double>(c / (root - od) * std::sqrt(dd)));
+    }
+    return std::make_shared<const RayProblem>(std::move(problem));
+}
+
+MeshData ball_mesh(int n) {
+    return scenes::cube_sphere(n, [](const dvec3&) { return 1.0; });
+}
+
+Study ball_study(const StudyOptions& options) {
+    const std::shared_ptr<const RayProblem> problem = ball_problem(options.quick ? 500 : 5000);
+    Study study{.name = problem->name,
+                .stage = kStage,
+                .error = kError,
+                .unit = "1",
+                .oracle = fmt::format("quadratic in long double; {} {}", problem->ray_count(), problem->summary),
+                .candidates = {}};
+    const auto add = [&](Settings settings, const Shape& shape) {
+        study.candidates.push_back(caster("carom", std::move(settings), problem, [&](const RayCases&) {
+            return [shape](const Ray& ray) { return distance(cast_ray(shape, ray)); };
+        }));
+    };
+    add({{"shape", "sphere"}}, Sphere{1.0f});
+    for (const int n : {1, 2, 4, 8}) {
+        const MeshData data = ball_mesh(n);
+        add({{"shape", "convex_hull"}, {"vertices", static_cast<double>(data.vertices.size())}}, *ConvexHull::build(data.vertices));
+    }
+    for (const int n : {2, 4, 8, 16, 32, 64, 128}) {
+        if (options.quick && n > 32) continue;
+        const MeshData data = ball_mesh(n);
+        add({{"shape", "triangle_mesh"}, {"triangles", static_cast<double>(data.triangles.size())}},
+            *TriangleMesh::build(data.vertices, data.triangles));
+    }
+    return study;
+}
+
+}  // namespace
+
+std::vector<Study> ray_studies(const StudyOptions& options) {
+    std::vector<Study> studies;
+    for (const std::shared_ptr<const RayProblem>& problem : ray_problems(options.quick)) {
+        studies.push_back(study_of(problem));
+    }
+    studies.push_back(ball_study(options));
+    return studies;
+}
+
+}  // namespace carom::accuracy
