@@ -58,16 +58,15 @@ Status prove_folder(const std::string& folder) {
 // The report of all, and CSV and SVG of each. Without gnuplot there is no SVG, and one line says so.
 Status write_folder(const std::vector<accuracy::StudyResult>& results, const std::string& folder, const std::string& json) {
     if (Status status = write_text(folder + "/accuracy.json", json); !status) return status;
-    bool drawing = true;
+    bool missing = false;
     for (const accuracy::StudyResult& result : results) {
         const std::string stem = folder + "/" + result.name;
         if (Status status = write_text(stem + ".csv", accuracy::to_csv(result)); !status) return status;
-        if (!drawing) continue;
-        if (Status status = accuracy::draw_svg(result, stem); !status) {
-            fmt::print(stderr, "carom: {}: {}; JSON and CSV are written all the same\n", status.error().where, status.error().message);
-            drawing = false;
-        }
+        const Result<accuracy::Drawn> drawn = accuracy::draw_svg(result, stem);
+        if (!drawn) return drawn.error();
+        missing = *drawn == accuracy::Drawn::NoGnuplot;
     }
+    if (missing) fmt::print(stderr, "carom: gnuplot is not on the PATH: the .gp scripts are written, but no .svg\n");
     return {};
 }
 

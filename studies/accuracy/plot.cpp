@@ -8,7 +8,6 @@
 #include <array>
 #include <cerrno>
 #include <cmath>
-#include <cstring>
 #include <iterator>
 
 #include <spawn.h>
@@ -19,6 +18,7 @@ namespace carom::accuracy {
 namespace {
 
 constexpr const char* kProgram = "gnuplot";
+constexpr int kNotFound = 127, kBroken = 126;
 
 // In single quotes gnuplot takes everything as it is, a quote is written twice, and a line ends the string.
 std::string quoted(std::string text) {
@@ -57,17 +57,17 @@ std::vector<std::string> names_of(const StudyResult& result) {
     return names;
 }
 
-// Runs gnuplot on the script and waits. @return its exit code; 127: there is no such program.
+// Runs gnuplot on the script and waits. @return its exit code; kNotFound: there is no such program; kBroken: it did not exit.
 int run_gnuplot(const std::string& script) {
     std::string program = kProgram, path = script;
     const std::array<char*, 3> argv{program.data(), path.data(), nullptr};
     pid_t child = 0;
-    if (posix_spawnp(&child, kProgram, nullptr, nullptr, argv.data(), environ) != 0) return 127;
+    if (posix_spawnp(&child, kProgram, nullptr, nullptr, argv.data(), environ) != 0) return kNotFound;
     int status = 0;
     while (waitpid(child, &status, 0) < 0) {
-        if (errno != EINTR) return 126;
+        if (errno != EINTR) return kBroken;
     }
-    return WIFEXITED(status) ? WEXITSTATUS(status) : 126;
+    return WIFEXITED(status) ? WEXITSTATUS(status) : kBroken;
 }
 
 }  // namespace
@@ -80,7 +80,7 @@ std::string plot_script(const StudyResult& result, const std::string& svg) {
     fmt::format_to(out, "set output {}\nset title {}\n", quoted(svg), quoted(result.name));
     fmt::format_to(out, "set xlabel 'time of one pass [s]'\nset ylabel {}\n", quoted(fmt::format("error [{}]", result.unit)));
     fmt::format_to(out, "set logscale xy\nset format xy '%.0e'\nset grid\nset key outside bottom center horizontal\n");
-    fmt::format_to(out, "set yrange [{:g}:{:g}]\nset offsets graph 0.05, 0.05, 0, 0\n", edges.lower, edges.upper);
+    fmt::format_to(out, "set yrange [{:g}:{:g}]\nset offsets graph 0.05, graph 0.05, graph 0, graph 0\n", edges.lower, edges.upper);
     fmt::format_to(out, "set label {} at graph 0.01, 0.02\n", quoted("on this edge: error 0"));
     fmt::format_to(out, "set label {} at graph 0.01, 0.98\n", quoted("on this edge: failed"));
 
@@ -105,13 +105,13 @@ std::string plot_script(const StudyResult& result, const std::string& svg) {
     return fmt::to_string(text);
 }
 
-Status draw_svg(const StudyResult& result, const std::string& stem) {
-    const std::string script = stem + ".gp", svg = stem + ".svg";
-    if (Status written = write_text(script, plot_script(result, svg)); !written) return written;
+Result<Drawn> draw_svg(const StudyResult& result, const std::string& stem) {
+    const std::string script = stem + ".gp";
+    if (Status written = write_text(script, plot_script(result, stem + ".svg")); !written) return written.error();
     const int code = run_gnuplot(script);
-    if (code == 127) return Error{ErrorCode::Io, fmt::format("{} is not on the PATH, so {} was not drawn", kProgram, svg), "plot"};
+    if (code == kNotFound) return Drawn::NoGnuplot;
     if (code != 0) return Error{ErrorCode::Io, fmt::format("{} ended with code {}", kProgram, code), script};
-    return {};
+    return Drawn::Yes;
 }
 
 }  // namespace carom::accuracy

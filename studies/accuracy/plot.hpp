@@ -1,6 +1,6 @@
 // A study as a picture: error against time, drawn by gnuplot, which is a program of its own and may be missing.
 //
-//   Status drawn = draw_svg(result, "out/rays");     // writes out/rays.gp, runs gnuplot, which writes out/rays.svg
+//   Result<Drawn> drawn = draw_svg(result, "out/rays");     // writes out/rays.gp, runs gnuplot, which writes out/rays.svg
 #pragma once
 
 #include <carom/studies/accuracy/study.hpp>
@@ -14,8 +14,11 @@ namespace carom::accuracy {
 /// @param svg  the file that gnuplot is to write.
 [[nodiscard]] std::string plot_script(const StudyResult& result, const std::string& svg);
 
-/// Writes `stem`.gp and has gnuplot draw `stem`.svg from it; gnuplot may be run by hand on the script as well.
-/// @return Io: the script cannot be written, there is no gnuplot on the PATH (then the script is there all the same), or it failed.
-[[nodiscard]] Status draw_svg(const StudyResult& result, const std::string& stem);
+enum class Drawn : unsigned char { Yes, NoGnuplot };
+
+/// Writes `stem`.gp and has gnuplot draw `stem`.svg from it.
+/// @return NoGnuplot where there is no such program on the PATH; the script is there all the same, to be run elsewhere. Io: the
+/// script cannot be written, or gnuplot failed; what it said went to stderr.
+[[nodiscard]] Result<Drawn> draw_svg(const StudyResult& result, const std::string& stem);
 
 }  // namespace carom::accuracy

@@ -44,12 +44,12 @@ struct Candidate {
 };
 
 struct Study {
-    std::string name;    ///< letters, digits and '_': files are named after it
-    std::string stage;   ///< of the pipeline: "primitive and ray tests"
-    std::string error;   ///< what the error measures, in words
-    std::string unit;    ///< of the error; "1" for a ratio
-    std::string oracle;  ///< what the error is measured against
-    std::vector<Candidate> candidates;
+    std::string name{};    ///< letters, digits and '_': files are named after it
+    std::string stage{};   ///< of the pipeline: "primitive and ray tests"
+    std::string error{};   ///< what the error measures, in words
+    std::string unit{};    ///< of the error; "1" for a ratio
+    std::string oracle{};  ///< what the error is measured against
+    std::vector<Candidate> candidates{};
 };
 
 /// A candidate as measured.
