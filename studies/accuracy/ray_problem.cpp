@@ -1,7 +1,7 @@
 #include <carom/studies/accuracy/ray_problem.hpp>
 
 #include <carom/core/random.hpp>
-#include <carom/scenes/meshes.hpp>
+#include <carom/scenes/bumpy.hpp>
 #include <carom/studies/oracle/exact_rays.hpp>
 
 #include <glm/geometric.hpp>
@@ -41,7 +41,7 @@ struct Target {
     TriangleMeshPtr mesh;
 
     Target(int n, double scale) : size(scale) {
-        MeshData data = scenes::bumpy_sphere(n);
+        MeshData data = weld(scenes::bumpy(n));
         for (vec3& v : data.vertices) {
             v = vec3(scale * dvec3(v));
         }

@@ -3,8 +3,9 @@
 #include <carom/studies/accuracy/ray_problem.hpp>
 
 #include <carom/collision/convex_hull.hpp>
+#include <carom/collision/mesh_rays.hpp>
 #include <carom/core/random.hpp>
-#include <carom/scenes/meshes.hpp>
+#include <carom/scenes/bumpy.hpp>
 
 #include <fmt/format.h>
 
@@ -48,6 +49,18 @@ std::optional<double> distance(const std::optional<RayHit>& hit) {
 
 dvec3 to_float(const dvec3& v) { return dvec3(vec3(v)); }
 
+std::shared_ptr<const StaticBvh> tree_of(const RayCases& part) {
+    Result<StaticBvh> built = StaticBvh::build(part.mesh->vertices(), part.mesh->triangles());
+    return std::make_shared<const StaticBvh>(std::move(*built));
+}
+
+// Closest hit of a ray relative to the tree, in float.
+std::optional<double> wide_distance(const StaticBvh& bvh, const dvec3& origin, const dvec3& direction) {
+    const vec3 d(direction);
+    const MeshHit hit = closest_hit(bvh, {.origin = vec3(origin), .direction = d});
+    return hit ? std::optional<double>(static_cast<double>(hit.t) * glm::length(dvec3(d))) : std::nullopt;
+}
+
 Study study_of(const std::shared_ptr<const RayProblem>& problem) {
     Study study{.name = problem->name,
                 .stage = kStage,
@@ -66,8 +79,19 @@ Study study_of(const std::shared_ptr<const RayProblem>& problem) {
             return distance(cast_ray(shape, pose, {.origin = to_float(ray.origin), .direction = to_float(ray.direction)}));
         };
     };
-    study.candidates.push_back(caster("carom", {{"world", "double"}, {"test", "double"}, {"tree", "binary"}}, problem, in_double));
-    study.candidates.push_back(caster("carom", {{"world", "float"}, {"test", "double"}, {"tree", "binary"}}, problem, in_float_world));
+    // Rays relative to the mesh in double, then everything in float.
+    const auto in_float_tree = [](const RayCases& part) {
+        return [bvh = tree_of(part), offset = part.offset](const Ray& ray) { return wide_distance(*bvh, ray.origin - offset, ray.direction); };
+    };
+    const auto all_in_float = [](const RayCases& part) {
+        return [bvh = tree_of(part), offset = vec3(part.offset)](const Ray& ray) {
+            return wide_distance(*bvh, dvec3(vec3(ray.origin) - offset), ray.direction);
+        };
+    };
+    study.candidates.push_back(caster("carom", {{"world", "double"}, {"test", "double"}, {"width", 2.0}}, problem, in_double));
+    study.candidates.push_back(caster("carom", {{"world", "float"}, {"test", "double"}, {"width", 2.0}}, problem, in_float_world));
+    study.candidates.push_back(caster("carom", {{"world", "double"}, {"test", "float"}, {"width", 16.0}}, problem, in_float_tree));
+    study.candidates.push_back(caster("carom", {{"world", "float"}, {"test", "float"}, {"width", 16.0}}, problem, all_in_float));
     return study;
 }
 
@@ -94,7 +118,11 @@ std::shared_ptr<const RayProblem> ball_problem(std::size_t count) {
 }
 
 MeshData ball_mesh(int n) {
-    return scenes::cube_sphere(n, [](const dvec3&) { return 1.0; });
+    MeshData data = weld(scenes::bumpy(n));
+    for (vec3& v : data.vertices) {
+        v = vec3(glm::normalize(dvec3(v)));
+    }
+    return data;
 }
 
 Study ball_study(const StudyOptions& options) {

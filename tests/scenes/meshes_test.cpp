@@ -1,13 +1,11 @@
 // The named meshes: what the catalogue says of them holds.
 #include <carom/collision/triangle_mesh.hpp>
-#include <carom/core/check.hpp>
+#include <carom/scenes/bumpy.hpp>
 #include <carom/scenes/meshes.hpp>
 
 #include <gtest/gtest.h>
 
 #include <glm/geometric.hpp>
-
-#include <limits>
 
 namespace carom::scenes {
 namespace {
@@ -38,9 +36,9 @@ TEST(Meshes, AnUnknownNameSaysWhichThereAre) {
     }
 }
 
-TEST(Meshes, CubeSpheresAreClosedAndFaceOutwards) {
+TEST(Meshes, WeldedBumpyBallsAreClosedAndFaceOutwards) {
     for (const int n : {1, 2, 3, 8, 23}) {
-        const MeshData data = bumpy_sphere(n);
+        const MeshData data = weld(bumpy(n));
         const auto quads = static_cast<std::size_t>(n * n);
         EXPECT_EQ(data.triangles.size(), 12 * quads);
         EXPECT_EQ(data.vertices.size(), 6 * quads + 2) << "Euler: every vertex on a seam is there once";
@@ -54,14 +52,6 @@ TEST(Meshes, CubeSpheresAreClosedAndFaceOutwards) {
         EXPECT_GT(volume, 1.0) << n;
         EXPECT_LT(volume, 4.4) << n;
     }
-}
-
-TEST(Meshes, CubeSpheresRefuseMisuse) {
-    const auto one = [](const dvec3&) { return 1.0; };
-    EXPECT_THROW(static_cast<void>(cube_sphere(0, one)), MisuseError);
-    EXPECT_THROW(static_cast<void>(cube_sphere(2049, one)), MisuseError);
-    const auto nan = [](const dvec3&) { return std::numeric_limits<double>::quiet_NaN(); };
-    EXPECT_THROW(static_cast<void>(cube_sphere(2, nan)), MisuseError);
 }
 
 }  // namespace

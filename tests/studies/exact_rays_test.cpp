@@ -1,7 +1,7 @@
 // The exact oracle for rays, against hand-made cases and against the casts it judges.
 #include <carom/collision/triangle_mesh.hpp>
 #include <carom/core/random.hpp>
-#include <carom/scenes/meshes.hpp>
+#include <carom/scenes/bumpy.hpp>
 #include <carom/studies/accuracy/ray_problem.hpp>
 #include <carom/studies/oracle/exact_rays.hpp>
 
@@ -52,7 +52,7 @@ TEST(ExactRays, TheOffsetIsNotRoundedIntoTheVertices) {
 }
 
 TEST(ExactRays, TheNearestOfManyAndLongDirections) {
-    const MeshData data = scenes::bumpy_sphere(4);
+    const MeshData data = scenes::bumpy(4);
     for (const double length : {1e-200, 1.0, 1e200}) {
         const Ray ray{.origin = {5, 0.01, 0.02}, .direction = length * dvec3{-1, 0, 0}};
         const std::optional<double> hit = oracle::exact_distance(data.vertices, data.triangles, dvec3{0.0}, ray);
@@ -62,7 +62,7 @@ TEST(ExactRays, TheNearestOfManyAndLongDirections) {
 }
 
 TEST(ExactRays, AgreeWithTheWatertightCastOfAClosedBall) {
-    const MeshData data = scenes::bumpy_sphere(6);
+    const MeshData data = weld(scenes::bumpy(6));
     const Shape mesh = *TriangleMesh::build(data.vertices, data.triangles);
     Random random(4711);
     int hits = 0;
