@@ -60,7 +60,7 @@ Result<Size> parse_size(const std::string& text) {
 Result<Image> draw(const CastTarget& target, const Size& size, RayView view, Executor& executor) {
     RayPictureSettings settings{.width = size.width, .height = size.height, .view = view, .executor = &executor};
     settings.camera = camera_for(target, static_cast<double>(size.width) / size.height);
-    if (target.scene) return draw_rays(target.scene->world, settings);
+    if (target.scene) return draw_rays(target.scene->rays, settings);
     const MeshTarget& mesh = *target.mesh;
     const auto cast = [&](const Ray& ray) -> std::optional<PixelHit> {
         const MeshHit hit = closest_hit(mesh.bvh, {.origin = vec3(ray.origin), .direction = vec3(ray.direction)});
@@ -68,8 +68,8 @@ Result<Image> draw(const CastTarget& target, const Size& size, RayView view, Exe
         const auto& t = mesh.data.triangles[hit.triangle];
         const dvec3 a(mesh.data.vertices[t[0]]);
         const dvec3 normal = glm::cross(dvec3(mesh.data.vertices[t[1]]) - a, dvec3(mesh.data.vertices[t[2]]) - a);
-        const double length = glm::length(normal);
-        return PixelHit{static_cast<double>(hit.t), length > 0.0 ? normal / length : -ray.direction, hit.triangle};
+        const double length = glm::length(normal) * (glm::dot(normal, ray.direction) > 0.0 ? -1.0 : 1.0);
+        return PixelHit{static_cast<double>(hit.t), length != 0.0 ? normal / length : -ray.direction, hit.triangle};
     };
     return draw_rays(cast, settings);
 }
@@ -85,7 +85,7 @@ Json to_json(const CastTarget& target, const CastRecord& record, const CastOptio
             {"kind", mesh ? "mesh" : "scene"},
             {"triangles", mesh ? Json(target.mesh->data.triangles.size()) : Json(nullptr)},
             {"closed", mesh ? Json(target.mesh->closed) : Json(nullptr)},
-            {"bodies", mesh ? Json(nullptr) : Json(target.scene->world.body_count())},
+            {"bodies", mesh ? Json(nullptr) : Json(target.scene->run.world.body_count())},
             {"rays", options.settings.rays},
             {"aim", options.settings.aim == Aim::Chords ? "chords" : "edges"},
             {"seed", options.settings.seed},
@@ -105,7 +105,7 @@ std::string summary(const CastTarget& target, const CastRecord& record, const Ca
     std::string text = fmt::format("{}: ", target.name);
     text += target.mesh ? fmt::format("{} triangles, {}, built in {:.1f} ms\n", target.mesh->data.triangles.size(),
                                       target.mesh->closed ? "closed" : "open", target.mesh->build_s * 1e3)
-                        : fmt::format("{} bodies\n", target.scene->world.body_count());
+                        : fmt::format("{} bodies\n", target.scene->run.world.body_count());
     text += fmt::format("rays          {} {}, seed {}, {} thread{}, SIMD width {}\n", options.settings.rays,
                         options.settings.aim == Aim::Chords ? "chords" : "at edges and corners", options.settings.seed, options.threads,
                         options.threads == 1 ? "" : "s", simd_width());

@@ -67,11 +67,11 @@ double cast_at_mesh(const StaticBvh& bvh, const std::vector<geo::Ray<float>>& ra
     return time_s;
 }
 
-double cast_at_scene(const World& world, const std::vector<Ray>& rays, std::vector<double>& distances, Executor& executor) {
+double cast_at_scene(const RayScene& scene, const std::vector<Ray>& rays, std::vector<double>& distances, Executor& executor) {
     const accuracy::Stopwatch watch;
     executor.parallel_for(rays.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            const std::optional<WorldRayHit> hit = world.cast_ray(rays[i]);
+            const std::optional<WorldRayHit> hit = scene.cast_ray(rays[i]);
             distances[i] = hit ? hit->hit.distance : kMissed;
         }
     });
@@ -115,7 +115,7 @@ CastRecord cast_rays(const CastTarget& target, const CastSettings& settings, Exe
             record.time_s += cast_at_mesh(target.mesh->bvh, floats, distances, executor);
             if (record.leaks) *record.leaks += count_leaks(target.mesh->bvh, floats, distances, executor);
         } else {
-            record.time_s += cast_at_scene(target.scene->world, rays, distances, executor);
+            record.time_s += cast_at_scene(target.scene->rays, rays, distances, executor);
         }
         for (const double distance : distances) {
             record.hits += distance != kMissed ? 1 : 0;

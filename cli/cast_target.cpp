@@ -51,15 +51,10 @@ Result<CastTarget> scene_target(const std::string& name, Executor& executor) {
     Result<scenes::SceneRun> run = is_path(name) ? scenes::read_scene(name, options) : scenes::make_scene(name, options);
     if (!run) return run.error();
     run->before_step(0);
-    CastTarget target{run->name, std::nullopt, std::move(*run), {}};
-    const World& world = target.scene->world;
-    for (const BodyId body : world.bodies()) {
-        for (const ShapeId shape : world.shapes(body)) {
-            if (!is_bounded(world.shape(shape))) continue;
-            target.bounds = merge(target.bounds, bounds(world.shape(shape), world.shape_pose(shape)));
-        }
-    }
-    if (is_empty(target.bounds)) return Error{ErrorCode::Empty, "has no bounded shape to cast rays at", name};
+    RayScene rays(run->world);
+    if (is_empty(rays.bounds())) return Error{ErrorCode::Empty, "has no bounded shape to cast rays at", name};
+    CastTarget target{run->name, std::nullopt, std::nullopt, rays.bounds()};
+    target.scene.emplace(SceneTarget{std::move(*run), std::move(rays)});
     return target;
 }
 
@@ -94,7 +89,7 @@ Result<CastTarget> load_target(const std::string& name, Executor& executor) {
 }
 
 Camera camera_for(const CastTarget& target, double aspect) {
-    return automatic_camera(target.mesh ? frame_of(*target.mesh, target.bounds) : make_debug_frame(target.scene->world), aspect);
+    return automatic_camera(target.mesh ? frame_of(*target.mesh, target.bounds) : make_debug_frame(target.scene->run.world), aspect);
 }
 
 }  // namespace carom::cli

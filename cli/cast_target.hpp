@@ -1,7 +1,7 @@
 // What `carom cast` casts rays at: a named mesh, or a scene as it stands before its first step.
 //
 //   Result<CastTarget> target = load_target("bumpy", executor);
-//   if (target->mesh) closest_hit(target->mesh->bvh, ray); else target->scene->world.cast_ray(ray);
+//   if (target->mesh) closest_hit(target->mesh->bvh, ray); else target->scene->rays.cast_ray(ray);
 #pragma once
 
 #include <carom/collision/aabb.hpp>
@@ -11,6 +11,7 @@
 #include <carom/core/result.hpp>
 #include <carom/scenes/scene.hpp>
 #include <carom/viz/camera.hpp>
+#include <carom/viz/ray_scene.hpp>
 
 #include <optional>
 #include <string>
@@ -24,11 +25,16 @@ struct MeshTarget {
     bool closed = false;  ///< every edge joins two triangles that run along it in opposite directions
 };
 
+struct SceneTarget {
+    scenes::SceneRun run;
+    RayScene rays;
+};
+
 /// Exactly one of mesh and scene is there.
 struct CastTarget {
     std::string name;
     std::optional<MeshTarget> mesh;
-    std::optional<scenes::SceneRun> scene;
+    std::optional<SceneTarget> scene;
     Aabb bounds;  ///< of the mesh, or of the scene's bounded shapes [m]
 };
 

@@ -95,8 +95,12 @@ Result<Image> draw_rays(FunctionRef<std::optional<PixelHit>(const Ray&)> cast, c
 }
 
 Result<Image> draw_rays(const World& world, const RayPictureSettings& settings) {
+    return draw_rays(RayScene(world), settings);
+}
+
+Result<Image> draw_rays(const RayScene& scene, const RayPictureSettings& settings) {
     const auto cast = [&](const Ray& ray) -> std::optional<PixelHit> {
-        const std::optional<WorldRayHit> hit = world.cast_ray(ray);
+        const std::optional<WorldRayHit> hit = scene.cast_ray(ray);
         return hit ? std::optional(PixelHit{hit->hit.distance, hit->hit.normal, hit->body.slot}) : std::nullopt;
     };
     return draw_rays(cast, settings);

@@ -12,6 +12,7 @@
 #include <carom/dynamics/world.hpp>
 #include <carom/viz/camera.hpp>
 #include <carom/viz/image.hpp>
+#include <carom/viz/ray_scene.hpp>
 
 #include <cstdint>
 #include <optional>
@@ -48,5 +49,6 @@ struct RayPictureSettings {
 
 /// The same for a world; the id is the slot of the body.
 [[nodiscard]] Result<Image> draw_rays(const World& world, const RayPictureSettings& settings);
+[[nodiscard]] Result<Image> draw_rays(const RayScene& scene, const RayPictureSettings& settings);
 
 }  // namespace carom
