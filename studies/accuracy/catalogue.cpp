@@ -7,6 +7,8 @@ namespace carom::accuracy {
 std::span<const StudyGroup> study_catalogue() {
     static const std::vector<StudyGroup> groups{
         {"rays", "ray casts: near, at edges, from afar, far from the origin, tiny and huge; and how fine a mesh has to be", ray_studies},
+        {"primitives", "rays, distances and overlaps of single primitives in float and double: plain, far, tiny, huge, touching",
+         primitive_studies},
     };
     return groups;
 }

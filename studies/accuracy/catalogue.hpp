@@ -33,5 +33,7 @@ struct StudyGroup {
 
 /// Casts of rays; ray_problem.hpp has the measure.
 [[nodiscard]] std::vector<Study> ray_studies(const StudyOptions& options);
+/// Tests of single primitives; primitive_cases.hpp has the measure.
+[[nodiscard]] std::vector<Study> primitive_studies(const StudyOptions& options);
 
 }  // namespace carom::accuracy
