@@ -4,6 +4,7 @@
 //   for (const Study& study : group->make({.quick = true})) { print(to_table(measure(study))); }
 #pragma once
 
+#include <carom/studies/accuracy/ray_problem.hpp>
 #include <carom/studies/accuracy/study.hpp>
 
 #include <functional>
@@ -15,6 +16,7 @@ namespace carom::accuracy {
 
 struct StudyOptions {
     bool quick = false;  ///< fewer and smaller cases: seconds in all
+    std::vector<RayCaster> ray_peers{};  ///< that join every study of rays against meshes; a build with peers gives them
 };
 
 /// Studies that run together; the first of them has the group's name.

@@ -9,6 +9,7 @@
 #include <carom/core/pose.hpp>
 #include <carom/studies/accuracy/study.hpp>
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -23,6 +24,15 @@ struct RayCases {
     dvec3 offset{0.0};                          ///< where the mesh stands; it is not turned [m]
     std::vector<Ray> rays;                      ///< in the frame of `offset`, without limit
     std::vector<std::optional<double>> exact;   ///< (rays,) the distance along the normalised direction; none: a miss [m]
+};
+
+/// One way to cast rays: of Carom at a setting of its knobs, or of a peer. All are called through the same kind of function, so that none
+/// has an advantage.
+struct RayCaster {
+    using Cast = std::function<std::optional<double>(const Ray&)>;  ///< the distance along the normalised direction; none: a miss [m]
+    std::string who;
+    Settings settings;
+    std::function<Cast(const RayCases&)> prepare;  ///< builds what casts need; not timed
 };
 
 /// What all candidates of one study are asked.

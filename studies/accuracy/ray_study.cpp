@@ -19,15 +19,13 @@ namespace {
 constexpr const char* kStage = "primitive and ray tests";
 constexpr const char* kError = "share of wrong verdicts, and the mean relative error of the distance otherwise";
 
-// Casts every ray of the problem. `prepare` turns a part into the function that casts a ray against it; that is not timed.
-template <class Prepare>
-Candidate caster(std::string who, Settings settings, std::shared_ptr<const RayProblem> problem, Prepare prepare) {
-    using Cast = decltype(prepare(problem->parts.front()));
-    std::vector<Cast> casts;
+// Casts every ray of the problem.
+Candidate candidate(const RayCaster& caster, std::shared_ptr<const RayProblem> problem) {
+    std::vector<RayCaster::Cast> casts;
     for (const RayCases& part : problem->parts) {
-        casts.push_back(prepare(part));
+        casts.push_back(caster.prepare(part));
     }
-    return {std::move(who), std::move(settings), [problem, casts] {
+    return {caster.who, caster.settings, [problem, casts] {
                 std::vector<RayAnswers> answers(problem->parts.size());
                 for (std::size_t p = 0; p < answers.size(); ++p) {
                     answers[p].resize(problem->parts[p].rays.size());
@@ -61,37 +59,45 @@ std::optional<double> wide_distance(const StaticBvh& bvh, const dvec3& origin, c
     return hit ? std::optional<double>(static_cast<double>(hit.t) * glm::length(dvec3(d))) : std::nullopt;
 }
 
-Study study_of(const std::shared_ptr<const RayProblem>& problem) {
-    Study study{.name = problem->name,
-                .stage = kStage,
-                .error = kError,
-                .unit = "1",
-                .oracle = fmt::format("first hit in exact integer arithmetic; {} rays: {}", problem->ray_count(), problem->summary),
-                .candidates = {}};
+// The knobs of Carom: the precision in which poses and rays reach the query, and the two hierarchies, binary with triangles in double and
+// 16 wide in float.
+std::vector<RayCaster> carom_casters() {
     const auto in_double = [](const RayCases& part) {
         return [shape = Shape(part.mesh), pose = Pose{.position = part.offset}](const Ray& ray) {
             return distance(cast_ray(shape, pose, ray));
         };
     };
-    // What a world in float would ask: poses and rays rounded before anything else happens.
     const auto in_float_world = [](const RayCases& part) {
         return [shape = Shape(part.mesh), pose = Pose{.position = to_float(part.offset)}](const Ray& ray) {
             return distance(cast_ray(shape, pose, {.origin = to_float(ray.origin), .direction = to_float(ray.direction)}));
         };
     };
-    // Rays relative to the mesh in double, then everything in float.
     const auto in_float_tree = [](const RayCases& part) {
-        return [bvh = tree_of(part), offset = part.offset](const Ray& ray) { return wide_distance(*bvh, ray.origin - offset, ray.direction); };
+        return [bvh = tree_of(part), offset = part.offset](const Ray& ray) {
+            return wide_distance(*bvh, ray.origin - offset, ray.direction);
+        };
     };
     const auto all_in_float = [](const RayCases& part) {
         return [bvh = tree_of(part), offset = vec3(part.offset)](const Ray& ray) {
             return wide_distance(*bvh, dvec3(vec3(ray.origin) - offset), ray.direction);
         };
     };
-    study.candidates.push_back(caster("carom", {{"world", "double"}, {"test", "double"}, {"width", 2.0}}, problem, in_double));
-    study.candidates.push_back(caster("carom", {{"world", "float"}, {"test", "double"}, {"width", 2.0}}, problem, in_float_world));
-    study.candidates.push_back(caster("carom", {{"world", "double"}, {"test", "float"}, {"width", 16.0}}, problem, in_float_tree));
-    study.candidates.push_back(caster("carom", {{"world", "float"}, {"test", "float"}, {"width", 16.0}}, problem, all_in_float));
+    return {{"carom", {{"world", "double"}, {"test", "double"}, {"width", 2.0}}, in_double},
+            {"carom", {{"world", "float"}, {"test", "double"}, {"width", 2.0}}, in_float_world},
+            {"carom", {{"world", "double"}, {"test", "float"}, {"width", 16.0}}, in_float_tree},
+            {"carom", {{"world", "float"}, {"test", "float"}, {"width", 16.0}}, all_in_float}};
+}
+
+Study study_of(const std::shared_ptr<const RayProblem>& problem, const std::vector<RayCaster>& casters) {
+    Study study{.name = problem->name,
+                .stage = kStage,
+                .error = kError,
+                .unit = "1",
+                .oracle = fmt::format("first hit in exact integer arithmetic; {} rays: {}", problem->ray_count(), problem->summary),
+                .candidates = {}};
+    for (const RayCaster& caster : casters) {
+        study.candidates.push_back(candidate(caster, problem));
+    }
     return study;
 }
 
@@ -134,9 +140,8 @@ Study ball_study(const StudyOptions& options) {
                 .oracle = fmt::format("quadratic in long double; {} {}", problem->ray_count(), problem->summary),
                 .candidates = {}};
     const auto add = [&](Settings settings, const Shape& shape) {
-        study.candidates.push_back(caster("carom", std::move(settings), problem, [&](const RayCases&) {
-            return [shape](const Ray& ray) { return distance(cast_ray(shape, ray)); };
-        }));
+        const auto prepare = [&](const RayCases&) { return [shape](const Ray& ray) { return distance(cast_ray(shape, ray)); }; };
+        study.candidates.push_back(candidate({"carom", std::move(settings), prepare}, problem));
     };
     add({{"shape", "sphere"}}, Sphere{1.0f});
     for (const int n : {1, 2, 4, 8}) {
@@ -155,9 +160,11 @@ Study ball_study(const StudyOptions& options) {
 }  // namespace
 
 std::vector<Study> ray_studies(const StudyOptions& options) {
+    std::vector<RayCaster> casters = carom_casters();
+    casters.insert(casters.end(), options.ray_peers.begin(), options.ray_peers.end());
     std::vector<Study> studies;
     for (const std::shared_ptr<const RayProblem>& problem : ray_problems(options.quick)) {
-        studies.push_back(study_of(problem));
+        studies.push_back(study_of(problem, casters));
     }
     studies.push_back(ball_study(options));
     return studies;
