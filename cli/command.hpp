@@ -25,6 +25,8 @@ using Action = std::function<ExitCode()>;
 /// Prints "carom: where: message" to stderr. @return `code`.
 ExitCode fail(ExitCode code, const Error& error);
 
+void add_accuracy_command(CLI::App& app, Action& action);
+void add_cast_command(CLI::App& app, Action& action);
 void add_list_command(CLI::App& app, Action& action);
 void add_plan_command(CLI::App& app, Action& action);
 void add_run_command(CLI::App& app, Action& action);

@@ -15,8 +15,6 @@ namespace {
 
 constexpr std::uint64_t kMostSteps = 1'000'000'000;
 
-bool is_path(const std::string& scene) { return scene.ends_with(".json") || scene.find('/') != std::string::npos; }
-
 Result<std::map<std::string, std::string>> key_values(const std::vector<std::string>& settings) {
     std::map<std::string, std::string> out;
     for (const std::string& text : settings) {
@@ -44,6 +42,8 @@ Error with_known_names(Error error, const SceneArguments& arguments) {
 }
 
 }  // namespace
+
+bool is_path(const std::string& scene) { return scene.ends_with(".json") || scene.find('/') != std::string::npos; }
 
 CLI::Validator whole_number(std::int64_t lower, std::uint64_t upper) {
     return {[=](std::string& text) -> std::string {

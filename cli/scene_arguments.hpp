@@ -37,6 +37,9 @@ struct SceneArguments {
     [[nodiscard]] Result<LoadedScene> load() const;
 };
 
+/// @return whether a scene's name is a path: it ends in .json or has a slash.
+[[nodiscard]] bool is_path(const std::string& scene);
+
 /// A check for options that takes whole numbers from `lower` to `upper` and nothing else (no sign wrap-around, no exponent).
 [[nodiscard]] CLI::Validator whole_number(std::int64_t lower, std::uint64_t upper);
 

@@ -10,6 +10,7 @@ endif()
 if(CAROM_PROGRAMS OR CAROM_TESTS OR CAROM_BENCH OR CAROM_PEERS)
   find_package(nlohmann_json REQUIRED)
   find_package(fmt REQUIRED)
+  find_package(Boost 1.74 REQUIRED)  # headers only: exact integers for the oracles
 endif()
 if(CAROM_PROGRAMS)
   find_package(CLI11 REQUIRED)

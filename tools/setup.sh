@@ -10,8 +10,8 @@ set -euo pipefail
 packages_of() {
     case "$1" in
         base) echo "g++ cmake ninja-build make pkg-config python3 libglm-dev libeigen3-dev libhwy-dev libxxhash-dev" \
-                   "libtbb-dev libfmt-dev nlohmann-json3-dev libcli11-dev" ;;
-        tests) echo "libgtest-dev libgmock-dev libboost-dev libqhull-dev" ;;
+                   "libtbb-dev libfmt-dev nlohmann-json3-dev libcli11-dev libboost-dev libpng-dev" ;;
+        tests) echo "libgtest-dev libgmock-dev libqhull-dev gnuplot-nox" ;;
         # VTK draws through X and OpenGL: Xvfb is the display, Mesa's llvmpipe the graphics card, xauth is what xvfb-run needs.
         viz) echo "libvtk9-dev libx11-dev xvfb xauth libgl1-mesa-dri libglx-mesa0" ;;
         bench) echo "libbenchmark-dev" ;;

@@ -16,7 +16,7 @@ SOURCE = os.environ["CAROM_SOURCE"]
 ROOMS = os.environ["CAROM_ROOMS"].split()
 # Flags that change a user's warnings, floating-point results, target machine, checks or debug output.
 OURS = re.compile(r"-(W|f|m|O|pedantic|DCAROM|DNDEBUG)")
-OPTIONAL_PACKAGES = ("Eigen3", "TBB", "VTK", "fmt", "nlohmann_json", "CLI11", "GTest")
+OPTIONAL_PACKAGES = ("Eigen3", "TBB", "VTK", "PNG", "Boost", "fmt", "nlohmann_json", "CLI11", "GTest")
 
 
 def leaked(command):

@@ -43,7 +43,7 @@ class Setup(unittest.TestCase):
         self.assertEqual((result.returncode, result.stdout, calls), (0, "", []))
 
     def test_only_the_missing_are_installed_and_said(self):
-        self.debian("cmake|g++|libglm-dev|make|pkg-config|python3|lib[e-z]*|nlohmann*|libcli11-dev")
+        self.debian("cmake|g++|libglm-dev|make|pkg-config|python3|lib[e-z]*|nlohmann*|libboost-dev|libcli11-dev")
         result, calls = self.run_setup("base")
         self.assertEqual(result.returncode, 0, result.stderr)
         self.assertEqual(len(calls), 2, calls)

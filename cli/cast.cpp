@@ -1,0 +1,185 @@
+// carom cast MESH|SCENE: how fast rays are, whether any slips through, and a picture of what they see.
+#include <carom/cli/build_info.hpp>
+#include <carom/cli/cast_rays.hpp>
+#include <carom/cli/cast_target.hpp>
+#include <carom/cli/command.hpp>
+#include <carom/cli/make_executor.hpp>
+#include <carom/cli/progress.hpp>
+#include <carom/cli/scene_arguments.hpp>
+
+#include <carom/collision/mesh_rays.hpp>
+#include <carom/core/hash.hpp>
+#include <carom/core/output_file.hpp>
+#include <carom/core/simd_width.hpp>
+#include <carom/viz/png/png_file.hpp>
+#include <carom/viz/ray_picture.hpp>
+
+#include <fmt/format.h>
+#include <nlohmann/json.hpp>
+
+#include <glm/geometric.hpp>
+
+#include <charconv>
+#include <limits>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+
+namespace carom::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+constexpr std::uint64_t kMostRays = 10'000'000'000;
+
+struct CastOptions {
+    std::string target;
+    CastSettings settings;
+    int threads = 1;
+    std::optional<std::string> json;
+    std::string picture;  // empty: none
+    std::string size = "800x500";
+    RayView view = RayView::Depth;
+};
+
+struct Size {
+    int width = 0, height = 0;
+};
+
+Result<Size> parse_size(const std::string& text) {
+    Size size;
+    const char* end = text.data() + text.size();
+    const std::from_chars_result width = std::from_chars(text.data(), end, size.width);
+    const bool has_x = width.ec == std::errc{} && width.ptr != end && *width.ptr == 'x';
+    const std::from_chars_result height = has_x ? std::from_chars(width.ptr + 1, end, size.height) : width;
+    if (has_x && height.ec == std::errc{} && height.ptr == end && size.width >= 1 && size.height >= 1) return size;
+    return Error{ErrorCode::Parse, fmt::format("\"{}\" is not of the form WIDTHxHEIGHT", text), "--size"};
+}
+
+Result<Image> draw(const CastTarget& target, const Size& size, RayView view, Executor& executor) {
+    RayPictureSettings settings{.width = size.width, .height = size.height, .view = view, .executor = &executor};
+    settings.camera = camera_for(target, static_cast<double>(size.width) / size.height);
+    if (target.scene) return draw_rays(target.scene->rays, settings);
+    const MeshTarget& mesh = *target.mesh;
+    const auto cast = [&](const Ray& ray) -> std::optional<PixelHit> {
+        const MeshHit hit = closest_hit(mesh.bvh, {.origin = vec3(ray.origin), .direction = vec3(ray.direction)});
+        if (!hit) return std::nullopt;
+        const auto& t = mesh.data.triangles[hit.triangle];
+        const dvec3 a(mesh.data.vertices[t[0]]);
+        const dvec3 normal = glm::cross(dvec3(mesh.data.vertices[t[1]]) - a, dvec3(mesh.data.vertices[t[2]]) - a);
+        const double length = glm::length(normal) * (glm::dot(normal, ray.direction) > 0.0 ? -1.0 : 1.0);
+        return PixelHit{static_cast<double>(hit.t), length != 0.0 ? normal / length : -ray.direction, hit.triangle};
+    };
+    return draw_rays(cast, settings);
+}
+
+template <class T>
+Json or_null(const std::optional<T>& value) {
+    return value ? Json(*value) : Json(nullptr);
+}
+
+Json to_json(const CastTarget& target, const CastRecord& record, const CastOptions& options) {
+    const bool mesh = target.mesh.has_value();
+    return {{"target", target.name},
+            {"kind", mesh ? "mesh" : "scene"},
+            {"triangles", mesh ? Json(target.mesh->data.triangles.size()) : Json(nullptr)},
+            {"closed", mesh ? Json(target.mesh->closed) : Json(nullptr)},
+            {"bodies", mesh ? Json(nullptr) : Json(target.scene->run.world.body_count())},
+            {"rays", options.settings.rays},
+            {"aim", options.settings.aim == Aim::Chords ? "chords" : "edges"},
+            {"seed", options.settings.seed},
+            {"threads", options.threads},
+            {"machine", {{"cpu", cpu_model()}, {"cores", cpu_cores()}}},
+            {"build", {{"version", version()}, {"compiler", compiler()}, {"type", build_type()}, {"simd_width", simd_width()}}},
+            {"build_s", mesh ? Json(target.mesh->build_s) : Json(nullptr)},
+            {"time_s", record.time_s},
+            {"rays_per_s", record.time_s > 0.0 ? Json(static_cast<double>(options.settings.rays) / record.time_s) : Json(nullptr)},
+            {"hits", record.hits},
+            {"leaks", or_null(record.leaks)},
+            {"answer_hash", to_hex(record.answer_hash)}};
+}
+
+std::string summary(const CastTarget& target, const CastRecord& record, const CastOptions& options) {
+    const auto rays = static_cast<double>(options.settings.rays);
+    std::string text = fmt::format("{}: ", target.name);
+    text += target.mesh ? fmt::format("{} triangles, {}, built in {:.1f} ms\n", target.mesh->data.triangles.size(),
+                                      target.mesh->closed ? "closed" : "open", target.mesh->build_s * 1e3)
+                        : fmt::format("{} bodies\n", target.scene->run.world.body_count());
+    text += fmt::format("rays          {} {}, seed {}, {} thread{}, SIMD width {}\n", options.settings.rays,
+                        options.settings.aim == Aim::Chords ? "chords" : "at edges and corners", options.settings.seed, options.threads,
+                        options.threads == 1 ? "" : "s", simd_width());
+    text += fmt::format("time          {:.3f} s, {:.3g} million rays a second\n", record.time_s, rays / record.time_s * 1e-6);
+    text += fmt::format("hits          {}, {:.2f} %\n", record.hits, 100.0 * static_cast<double>(record.hits) / rays);
+    text += fmt::format("leaks         {}\n", record.leaks ? fmt::to_string(*record.leaks) : "- (not a closed mesh)");
+    return text + fmt::format("answer hash   {}\n", to_hex(record.answer_hash));
+}
+
+// What can be said before anything is loaded.
+Status check(const CastOptions& options) {
+    if (Result<Size> size = parse_size(options.size); !size) return size.error();
+    if (options.picture == "-") return Error{ErrorCode::InvalidArgument, "a picture needs a file", "--picture"};
+    if (!options.picture.empty()) {
+        if (Status status = check_writable(options.picture); !status) return status;
+    }
+    return options.json ? check_writable(*options.json) : Status{};
+}
+
+ExitCode run(const CastOptions& options) {
+    if (Status status = check(options); !status) return fail(ExitCode::BadInput, status.error());
+    const Result<std::unique_ptr<Executor>> made = make_executor(options.threads);
+    if (!made) return fail(ExitCode::BadInput, made.error());
+    SerialExecutor serial;
+    Executor& executor = *made ? **made : serial;
+    const Result<CastTarget> target = load_target(options.target, executor);
+    if (!target) return fail(ExitCode::BadInput, target.error());
+    if (options.settings.aim == Aim::Edges && !target->mesh) {
+        return fail(ExitCode::BadInput, {ErrorCode::InvalidArgument, "only meshes have edges to aim at", "--aim"});
+    }
+    if (!options.picture.empty()) {
+        const Result<Image> image = draw(*target, *parse_size(options.size), options.view, executor);
+        if (!image) return fail(ExitCode::BadInput, image.error());
+        if (Status status = write_png(*image, options.picture); !status) return fail(ExitCode::Failed, status.error());
+    }
+    const CastRecord record = [&] {
+        constexpr int kTicks = 1000;
+        Progress progress(kTicks);
+        CastSettings settings = options.settings;
+        settings.progress = [&](std::uint64_t done) {
+            progress.show(static_cast<int>(static_cast<double>(done) / static_cast<double>(settings.rays) * kTicks));
+        };
+        return cast_rays(*target, settings, executor);
+    }();
+    if (options.json) {
+        const std::string text = to_json(*target, record, options).dump(2) + "\n";
+        if (Status status = write_text(*options.json, text); !status) return fail(ExitCode::Failed, status.error());
+    }
+    if (options.json != "-") {
+        if (Status status = write_text("-", summary(*target, record, options)); !status) return fail(ExitCode::Failed, status.error());
+    }
+    if (record.leaks.value_or(0) == 0) return ExitCode::Ok;
+    return fail(ExitCode::Failed, {ErrorCode::InvalidArgument, fmt::format("{} rays leaked", *record.leaks), target->name});
+}
+
+}  // namespace
+
+void add_cast_command(CLI::App& app, Action& action) {
+    auto options = std::make_shared<CastOptions>();
+    CLI::App* command = app.add_subcommand("cast", "Casts rays at a mesh or a scene: speed, hits, leaks, and a picture.");
+    command->add_option("TARGET", options->target, "a mesh, a scene (see carom list) or a scene file (.json)")->required();
+    command->add_option("--rays", options->settings.rays, "how many")->check(whole_number(1, kMostRays));
+    command->add_option("--seed", options->settings.seed, "seed of the rays")
+        ->check(whole_number(0, std::numeric_limits<std::uint64_t>::max()));
+    const std::map<std::string, Aim> aims{{"chords", Aim::Chords}, {"edges", Aim::Edges}};
+    command->add_option("--aim", options->settings.aim, "chords, or edges: at edges and corners of a mesh")
+        ->transform(CLI::CheckedTransformer(aims));
+    command->add_option("--threads", options->threads, "threads; answers do not depend on it")->check(whole_number(1, 256));
+    command->add_option("--json", options->json, "write the report into this file; - prints it, and nothing else");
+    CLI::Option* picture = command->add_option("--picture", options->picture, "draw what rays see into this PNG file");
+    const std::map<std::string, RayView> views{{"depth", RayView::Depth}, {"normal", RayView::Normal}, {"id", RayView::Id}};
+    command->add_option("--view", options->view, "depth, normal or id")->transform(CLI::CheckedTransformer(views))->needs(picture);
+    command->add_option("--size", options->size, "of the picture [pixels], WIDTHxHEIGHT")->needs(picture);
+    command->callback([&action, options] { action = [options] { return run(*options); }; });
+}
+
+}  // namespace carom::cli

@@ -1,0 +1,25 @@
+#include <carom/studies/accuracy/catalogue.hpp>
+
+#include <fmt/format.h>
+
+namespace carom::accuracy {
+
+std::span<const StudyGroup> study_catalogue() {
+    static const std::vector<StudyGroup> groups{
+        {"rays", "ray casts: near, at edges, from afar, far from the origin, tiny and huge; and how fine a mesh has to be", ray_studies},
+        {"primitives", "rays, distances and overlaps of single primitives in float and double: plain, far, tiny, huge, touching",
+         primitive_studies},
+    };
+    return groups;
+}
+
+Result<StudyGroup> find_study(const std::string& name) {
+    std::string names;
+    for (const StudyGroup& group : study_catalogue()) {
+        if (group.name == name) return group;
+        names += (names.empty() ? "" : ", ") + group.name;
+    }
+    return Error{ErrorCode::UnknownName, fmt::format("no study is called \"{}\"; there are {}", name, names), "study"};
+}
+
+}  // namespace carom::accuracy

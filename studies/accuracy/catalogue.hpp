@@ -1,0 +1,41 @@
+// The studies by name: what `carom accuracy` lists and runs.
+//
+//   Result<StudyGroup> group = find_study("rays");
+//   for (const Study& study : group->make({.quick = true})) { print(to_table(measure(study))); }
+#pragma once
+
+#include <carom/studies/accuracy/ray_problem.hpp>
+#include <carom/studies/accuracy/study.hpp>
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace carom::accuracy {
+
+struct StudyOptions {
+    bool quick = false;  ///< fewer and smaller cases: seconds in all
+    std::vector<RayCaster> ray_peers{};  ///< that join every study of rays against meshes; a build with peers gives them
+};
+
+/// Studies that run together; the first of them has the group's name.
+struct StudyGroup {
+    std::string name;
+    std::string summary;
+    /// Builds the studies with their cases and their exact answers, always the same ones; this can take a while.
+    std::function<std::vector<Study>(const StudyOptions&)> make;
+};
+
+/// @return the groups, in the order that lists show them.
+[[nodiscard]] std::span<const StudyGroup> study_catalogue();
+
+/// @return the group of that name; UnknownName, with the names there are, for any other.
+[[nodiscard]] Result<StudyGroup> find_study(const std::string& name);
+
+/// Casts of rays; ray_problem.hpp has the measure.
+[[nodiscard]] std::vector<Study> ray_studies(const StudyOptions& options);
+/// Tests of single primitives; primitive_cases.hpp has the measure.
+[[nodiscard]] std::vector<Study> primitive_studies(const StudyOptions& options);
+
+}  // namespace carom::accuracy

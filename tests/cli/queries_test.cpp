@@ -1,0 +1,245 @@
+// carom accuracy and carom cast: exit codes and messages for bad input, and every key of their reports.
+#include <cli/program.hpp>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+namespace carom::test {
+namespace {
+
+using Json = nlohmann::json;
+
+constexpr int kOk = 0, kFailed = 1, kBadInput = 2;
+
+void expect_refused(const std::vector<std::string>& arguments, const std::vector<std::string>& named) {
+    const Outcome outcome = carom(arguments);
+    std::string line;
+    for (const std::string& word : arguments) {
+        line += " " + word;
+    }
+    EXPECT_EQ(outcome.code, kBadInput) << line;
+    EXPECT_EQ(outcome.out, "") << line;
+    for (const std::string& name : named) {
+        EXPECT_NE(outcome.err.find(name), std::string::npos) << line << "\nsaid: " << outcome.err << "missing: " << name;
+    }
+}
+
+Json report(std::vector<std::string> arguments) {
+    arguments.insert(arguments.end(), {"--json", "-"});
+    const Outcome outcome = carom(arguments);
+    EXPECT_EQ(outcome.code, kOk) << outcome.err;
+    Json json = Json::parse(outcome.out, nullptr, false);
+    EXPECT_TRUE(json.is_object()) << "stdout holds more than JSON: " << outcome.out;
+    return json;
+}
+
+std::string contents(const std::string& path) {
+    std::ifstream file(path, std::ios::binary);
+    std::ostringstream text;
+    text << file.rdbuf();
+    return text.str();
+}
+
+TEST(Accuracy, ListsItsStudies) {
+    for (const std::vector<std::string>& arguments : {std::vector<std::string>{"accuracy"}, {"accuracy", "--list"}}) {
+        const Outcome outcome = carom(arguments);
+        EXPECT_EQ(outcome.code, kOk);
+        EXPECT_NE(outcome.out.find("rays"), std::string::npos);
+    }
+}
+
+TEST(Accuracy, BadInputIsNamed) {
+    const TemporaryFolder folder;
+    const std::string file = folder.write("file", "keep me");
+    expect_refused({"accuracy", "speed"}, {"speed", "rays"});
+    expect_refused({"accuracy", "rays", "stray"}, {"stray"});
+    expect_refused({"accuracy", "rays", "--fast"}, {"--fast"});
+    expect_refused({"accuracy", "rays", "--quick", "--json", file + "/report.json"}, {file + "/report.json", "written"});
+    expect_refused({"accuracy", "rays", "--quick", "--out", file + "/folder"}, {file + "/folder"});
+    expect_refused({"accuracy", "rays", "--quick", "--out", file}, {file});
+    // An unknown study makes no folder.
+    expect_refused({"accuracy", "speed", "--out", folder.path("new")}, {"speed"});
+    EXPECT_FALSE(std::filesystem::exists(folder.path("new")));
+    EXPECT_EQ(contents(file), "keep me");
+}
+
+TEST(Accuracy, AReportHasEveryKey) {
+    const Json json = report({"accuracy", "rays", "--quick"});
+    EXPECT_EQ(json.at("quick"), true);
+    EXPECT_GE(json.at("repeats"), 1);
+    EXPECT_TRUE(json.at("machine").at("cpu").is_string());
+    EXPECT_GE(json.at("build").at("simd_width"), 1);
+    ASSERT_FALSE(json.at("studies").empty());
+    EXPECT_EQ(json.at("studies").at(0).at("name"), "rays") << "the first study has the group's name";
+    for (const Json& study : json.at("studies")) {
+        for (const char* key : {"name", "stage", "error", "unit", "oracle"}) {
+            EXPECT_NE(study.at(key), "") << key;
+        }
+        ASSERT_FALSE(study.at("points").empty());
+        for (const Json& point : study.at("points")) {
+            EXPECT_EQ(point.at("who"), "carom");
+            EXPECT_TRUE(point.at("settings").is_object());
+            EXPECT_GT(point.at("time_s"), 0.0);
+            EXPECT_GE(point.at("time_iqr_s"), 0.0);
+            EXPECT_EQ(point.at("error").is_null(), point.at("failures") > 0);
+        }
+        EXPECT_FALSE(study.at("front").empty());
+        for (const Json& index : study.at("front")) {
+            EXPECT_LT(index.get<std::size_t>(), study.at("points").size());
+        }
+        for (const char* reach : {"1e-2", "1e-3", "1e-4"}) {
+            EXPECT_TRUE(study.at("time_to").contains(reach));
+        }
+        EXPECT_EQ(study.at("points").size() > 0 && study.at("time_to").size() == 3, true);
+    }
+    // What is exact in double is exact to rounding wherever mesh and ray stand.
+    EXPECT_LT(json.at("studies").at(0).at("points").at(0).at("error"), 1e-15);
+}
+
+TEST(Accuracy, AFolderHoldsReportTableAndPicture) {
+    const TemporaryFolder folder;
+    const std::string out = folder.path("deep/studies");
+    const Outcome outcome = carom({"accuracy", "rays", "--quick", "--out", out});
+    EXPECT_EQ(outcome.code, kOk) << outcome.err;
+    EXPECT_NE(outcome.out.find("to reach 1e-2"), std::string::npos);
+    const Json json = Json::parse(contents(out + "/accuracy.json"), nullptr, false);
+    ASSERT_TRUE(json.is_object());
+    for (const Json& study : json.at("studies")) {
+        const std::string stem = out + "/" + study.at("name").get<std::string>();
+        const std::string csv = contents(stem + ".csv");
+        EXPECT_EQ(std::ranges::count(csv, '\n'), static_cast<std::ptrdiff_t>(study.at("points").size() + 1));
+        EXPECT_TRUE(std::filesystem::exists(stem + ".gp"));
+        const bool said = outcome.err.find("gnuplot is not on the PATH") != std::string::npos;
+        EXPECT_NE(std::filesystem::exists(stem + ".svg"), said);
+    }
+}
+
+TEST(Accuracy, WithoutGnuplotOneLineSaysSo) {
+    const TemporaryFolder folder;
+    const std::string path = std::getenv("PATH") != nullptr ? std::getenv("PATH") : "";
+    ASSERT_EQ(setenv("PATH", folder.path("").c_str(), 1), 0);
+    const Outcome outcome = carom({"accuracy", "rays", "--quick", "--out", folder.path("out")});
+    ASSERT_EQ(setenv("PATH", path.c_str(), 1), 0);
+    EXPECT_EQ(outcome.code, kOk);
+    EXPECT_NE(outcome.err.find("gnuplot is not on the PATH"), std::string::npos);
+    EXPECT_EQ(std::ranges::count(outcome.err, '\n'), 1);
+    EXPECT_TRUE(std::filesystem::exists(folder.path("out/accuracy.json")));
+    EXPECT_TRUE(std::filesystem::exists(folder.path("out/rays.csv")));
+    EXPECT_FALSE(std::filesystem::exists(folder.path("out/rays.svg")));
+}
+
+TEST(Accuracy, AFullDiskIsAFailure) {
+    if (!std::filesystem::exists("/dev/full")) GTEST_SKIP() << "no /dev/full here";
+    EXPECT_EQ(carom({"accuracy", "rays", "--quick", "--json", "/dev/full"}).code, kFailed);
+}
+
+TEST(Cast, BadInputIsNamed) {
+    const TemporaryFolder folder;
+    const std::string file = folder.write("file", "keep me");
+    expect_refused({"cast"}, {"TARGET"});
+    expect_refused({"cast", "kettle"}, {"kettle", "teapot", "bumpy", "pile_boxes"});
+    expect_refused({"cast", "teapot", "--rays", "0"}, {"--rays", "0"});
+    expect_refused({"cast", "teapot", "--rays", "-5"}, {"--rays", "-5"});
+    expect_refused({"cast", "teapot", "--rays", "1e6"}, {"--rays", "1e6"});
+    expect_refused({"cast", "teapot", "--seed", "-1"}, {"--seed"});
+    expect_refused({"cast", "teapot", "--threads", "0"}, {"--threads"});
+    expect_refused({"cast", "teapot", "--aim", "moon"}, {"--aim", "moon"});
+    expect_refused({"cast", "tall_stack", "--aim", "edges"}, {"--aim", "mesh"});
+    expect_refused({"cast", "teapot", "--view", "id"}, {"--picture"});
+    expect_refused({"cast", "teapot", "--size", "10x10"}, {"--picture"});
+    expect_refused({"cast", "teapot", "--picture", folder.path("p.png"), "--view", "heat"}, {"--view", "heat"});
+    for (const char* size : {"10", "x", "10x", "0x10", "10x-3", "10x10x10", "1e2x10", "99999999999x5"}) {
+        expect_refused({"cast", "teapot", "--picture", folder.path("p.png"), "--size", size}, {"--size", size});
+    }
+    expect_refused({"cast", "teapot", "--picture", folder.path("p.png"), "--size", "8193x10"}, {"8192"});
+    expect_refused({"cast", "teapot", "--picture", file + "/p.png"}, {file + "/p.png", "written"});
+    expect_refused({"cast", "teapot", "--picture", "-"}, {"--picture"});
+    expect_refused({"cast", "teapot", "--json", file + "/r.json"}, {file + "/r.json", "written"});
+    expect_refused({"cast", folder.path("missing.json")}, {"missing.json"});
+    expect_refused({"cast", folder.write("empty.json", R"({"bodies": []})")}, {"shape"});
+    EXPECT_FALSE(std::filesystem::exists(folder.path("p.png")));
+    EXPECT_EQ(contents(file), "keep me");
+}
+
+TEST(Cast, AReportOfAMeshHasEveryKey) {
+    const Json json = report({"cast", "bumpy", "--rays", "20000", "--seed", "5"});
+    EXPECT_EQ(json.at("target"), "bumpy");
+    EXPECT_EQ(json.at("kind"), "mesh");
+    EXPECT_EQ(json.at("triangles"), 69312);
+    EXPECT_EQ(json.at("closed"), true);
+    EXPECT_TRUE(json.at("bodies").is_null());
+    EXPECT_EQ(json.at("rays"), 20000);
+    EXPECT_EQ(json.at("aim"), "chords");
+    EXPECT_EQ(json.at("seed"), 5);
+    EXPECT_EQ(json.at("threads"), 1);
+    EXPECT_TRUE(json.at("machine").at("cpu").is_string());
+    EXPECT_GE(json.at("build").at("simd_width"), 1);
+    EXPECT_GT(json.at("build_s"), 0.0);
+    EXPECT_GT(json.at("time_s"), 0.0);
+    EXPECT_NEAR(json.at("rays_per_s").get<double>() * json.at("time_s").get<double>(), 20000.0, 1e-6);
+    EXPECT_GT(json.at("hits"), 2000);
+    EXPECT_LT(json.at("hits"), 18000);
+    EXPECT_EQ(json.at("leaks"), 0);
+    EXPECT_EQ(json.at("answer_hash").get<std::string>().size(), 16u);
+}
+
+TEST(Cast, NoRayAimedAtAnEdgeOfAClosedMeshLeaks) {
+    const Json json = report({"cast", "bumpy", "--rays", "50000", "--aim", "edges"});
+    EXPECT_EQ(json.at("aim"), "edges");
+    EXPECT_EQ(json.at("leaks"), 0);
+    EXPECT_GT(json.at("hits"), 49000) << "nearly all meet what they are aimed at; the rest pass by at the outline";
+}
+
+TEST(Cast, OpenMeshesAndScenesHaveNoLeaks) {
+    const Json pot = report({"cast", "teapot", "--rays", "1000"});
+    EXPECT_EQ(pot.at("closed"), false);
+    EXPECT_TRUE(pot.at("leaks").is_null());
+    const Json scene = report({"cast", "tall_stack", "--rays", "1000"});
+    EXPECT_EQ(scene.at("kind"), "scene");
+    EXPECT_TRUE(scene.at("triangles").is_null() && scene.at("closed").is_null() && scene.at("leaks").is_null());
+    EXPECT_TRUE(scene.at("build_s").is_null());
+    EXPECT_EQ(scene.at("bodies"), 31);
+    EXPECT_GT(scene.at("hits"), 0);
+}
+
+TEST(Cast, AnswersDependOnTheSeedAndNotOnThreads) {
+    for (const char* target : {"teapot", "tall_stack"}) {
+        const std::vector<std::string> run{"cast", target, "--rays", "3000"};
+        const std::string hash = report(run).at("answer_hash");
+        std::vector<std::string> other = run;
+        other.insert(other.end(), {"--seed", "2"});
+        EXPECT_NE(report(other).at("answer_hash"), hash);
+        std::vector<std::string> threads = run;
+        threads.insert(threads.end(), {"--threads", "2"});
+        if (CAROM_HAS_TBB) {
+            EXPECT_EQ(report(threads).at("answer_hash"), hash);
+        } else {
+            expect_refused(threads, {"--threads", "CAROM_TBB"});
+        }
+    }
+}
+
+TEST(Cast, APictureNeedsNoDisplay) {
+    const TemporaryFolder folder;
+    for (const char* view : {"depth", "normal", "id"}) {
+        for (const char* target : {"teapot", "tall_stack"}) {
+            const std::string path = folder.path(std::string(target) + view + ".png");
+            const Outcome outcome = carom({"cast", target, "--rays", "1", "--picture", path, "--view", view, "--size", "64x40"});
+            EXPECT_EQ(outcome.code, kOk) << outcome.err;
+            EXPECT_NE(outcome.out.find("answer hash"), std::string::npos);
+            const std::string png = contents(path);
+            EXPECT_EQ(png.substr(0, 4), "\x89PNG") << path;
+            EXPECT_GT(png.size(), 100u);
+        }
+    }
+}
+
+}  // namespace
+}  // namespace carom::test
