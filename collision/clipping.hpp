@@ -67,12 +67,13 @@ template <class T>
 /// Cuts flat polygons, one plane at a time, and holds the result until the next call. Allocates only where a polygon
 /// has more corners than any before.
 ///
-/// A convex polygon of n corners gains at most one for each plane: n + planes. One that is not has at most 3/2 times
-/// its corners after each; where a plane cuts it into several pieces those stay joined by edges along that plane
-/// (Sutherland and Hodgman 1974). Fewer than three corners count as nothing. Two polygons that share an edge are cut at
-/// the same point of it, to the bit, whichever way round they have it. Accuracy: corners of the result are within 4 ulp
-/// of T, of the largest coordinate, of the polygon's edges and of each half-space. Of a box along the axes they are
-/// within it to the bit.
+/// A convex polygon of n corners gains at most one for each plane: n + planes. One that is not has at most 3/2 times its
+/// corners after each; where a plane cuts it into several pieces those stay joined by edges along that plane, outside of
+/// the polygon (Sutherland and Hodgman 1974). Fewer than three corners count as nothing. Two polygons that share an edge
+/// are cut at the same point of it, to the bit, whichever way round they have it.
+/// Accuracy, in ulp (of T) of the largest coordinate: corners of the result are within 4 of each half-space and within 8 of
+/// the polygon's plane, and of the polygon itself where it is a triangle. Of a box along the axes they are within it to
+/// the bit.
 template <class T>
 class PolygonClipper {
 public:

@@ -15,7 +15,7 @@
 namespace carom {
 
 /// A box in float, in the tree's coordinates.
-struct WideBox {
+struct QueryBox {
     float lower[3];
     float upper[3];
 };
@@ -47,7 +47,7 @@ HWY_INLINE unsigned overlapping_triangles(const WideLeaf& leaf, const Floats* lo
     return met & ((1u << leaf.triangle_count) - 1u);
 }
 
-void visit_box(const WideBvh& tree, const WideBox& box, FunctionRef<bool(std::uint32_t)> visit) {
+void visit_box(const WideBvh& tree, const QueryBox& box, FunctionRef<bool(std::uint32_t)> visit) {
     Floats lower[3], upper[3];
     for (int axis = 0; axis < 3; ++axis) {
         lower[axis] = Floats(box.lower[axis]);
@@ -109,7 +109,7 @@ void visit_overlaps(const WideBvh& tree, const Aabb& box, FunctionRef<bool(std::
     // denormals, the box grows by what they may have moved.
     const auto scale = static_cast<double>(tree.scale);
     const double slack = tree.lossless ? 0.0 : 0x1p-148;
-    WideBox query;
+    QueryBox query;
     for (int axis = 0; axis < 3; ++axis) {
         query.lower[axis] = -round_down(-(scale * box.lower[axis] - slack));
         query.upper[axis] = round_down(scale * box.upper[axis] + slack);
