@@ -77,7 +77,8 @@ std::vector<accuracy::StudyResult> measure_all(const accuracy::StudyGroup& group
     std::vector<accuracy::StudyResult> results;
     for (const accuracy::Study& study : studies) {
         const int before = rounds * static_cast<int>(results.size());
-        results.push_back(accuracy::measure(study, {.repeats = rounds - 1, .progress = [&](int done, int) { progress.show(before + done); }}));
+        const auto show = [&](int done, int) { progress.show(before + done); };
+        results.push_back(accuracy::measure(study, {.repeats = rounds - 1, .progress = show}));
     }
     return results;
 }

@@ -56,7 +56,8 @@ private:
 };
 
 // The batch's distances along unit directions, kMissed for a miss.
-double cast_at_mesh(const StaticBvh& bvh, const std::vector<geo::Ray<float>>& rays, std::vector<double>& distances, Executor& executor) {
+double cast_at_mesh(const StaticBvh& bvh, const std::vector<geo::Ray<float>>& rays, std::vector<double>& distances,
+                    Executor& executor) {
     std::vector<MeshHit> hits(rays.size());
     const accuracy::Stopwatch watch;
     closest_hits(bvh, rays, hits, executor);

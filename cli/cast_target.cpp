@@ -84,7 +84,8 @@ Result<CastTarget> load_target(const std::string& name, Executor& executor) {
         scene_names += (scene_names.empty() ? "" : ", ") + info.name;
     }
     return Error{ErrorCode::UnknownName,
-                 fmt::format("no mesh or scene is called \"{}\"; there are the meshes {}, and the scenes {}", name, meshes, scene_names),
+                 fmt::format("no mesh or scene is called \"{}\"; there are the meshes {}, and the scenes {}", name, meshes,
+                             scene_names),
                  "MESH|SCENE"};
 }
 

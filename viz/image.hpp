@@ -17,7 +17,8 @@ struct Image {
 
     Image() = default;
     /// A black picture. @param width, height  [pixels] >= 0.
-    Image(int width_, int height_) : width(width_), height(height_), pixels(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_)) {}
+    Image(int width_, int height_)
+        : width(width_), height(height_), pixels(static_cast<std::size_t>(width_) * static_cast<std::size_t>(height_)) {}
 
     int width = 0, height = 0;  ///< [pixels]
     std::vector<Pixel> pixels;  ///< (width height,)

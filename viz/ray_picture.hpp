@@ -1,5 +1,5 @@
-// What rays see of a scene: a picture of depth, of normals or of ids, drawn with the library's own ray casts and nothing else. No display,
-// no graphics library, and the same pixels on every machine.
+// What rays see of a scene: a picture of depth, of normals or of ids, drawn with the library's own ray casts and nothing else. No
+// display, no graphics library, and the same pixels on every machine.
 //
 //   Result<Image> image = draw_rays(world, {.width = 640, .height = 400, .camera = camera, .view = RayView::Normal});
 //   Status written = write_png(*image, "normals.png");           // <carom/viz/png/png_file.hpp>

@@ -226,7 +226,8 @@ struct AskOverlap {
 };
 
 template <class T, class A, class B, class Ask>
-std::function<PartSample()> runner(const std::vector<Case<A, B>>& cases, std::shared_ptr<const std::vector<Expected>> expected, Ask ask) {
+std::function<PartSample()> runner(const std::vector<Case<A, B>>& cases, std::shared_ptr<const std::vector<Expected>> expected,
+                                   Ask ask) {
     using Pair = std::pair<decltype(to<T>(cases[0].a)), decltype(to<T>(cases[0].b))>;
     std::vector<Pair> pairs;
     for (const Case<A, B>& c : cases) {

@@ -124,9 +124,11 @@ std::vector<std::shared_ptr<const RayProblem>> ray_problems(bool quick) {
 
     std::vector<RayProblem> families;
     families.push_back({"rays_near", "chords between points two radii from the middle", {make_cases(unit, dvec3{0.0}, count, chord)}});
-    families.push_back({"rays_edges", "rays aimed at edges and vertices from three radii", {make_cases(unit, dvec3{0.0}, count, at_edge)}});
-    families.push_back({"rays_far", "rays from 1e1 .. 1e6 radii away, directions in double", {make_cases(unit, dvec3{0.0}, count, from_afar)}});
-    families.push_back({"rays_world", "chords where mesh and rays stand 1e3 .. 1e6 m from the world's origin, in double", {}});
+    families.push_back(
+        {"rays_edges", "rays aimed at edges and vertices from three radii", {make_cases(unit, dvec3{0.0}, count, at_edge)}});
+    families.push_back(
+        {"rays_far", "rays from 1e1 .. 1e6 radii away, directions in double", {make_cases(unit, dvec3{0.0}, count, from_afar)}});
+    families.push_back({"rays_world", "chords where mesh and rays stand 1e3 .. 1e6 m from the world's origin", {}});
     for (const double away : {1e3, 1e4, 1e5, 1e6}) {
         const dvec3 offset = away * dvec3{0.6, -0.48, 0.64} + dvec3{0.1, 0.2, 0.3};
         families.back().parts.push_back(make_cases(unit, offset, count / 4, [&](Random& random, const Target& target) {

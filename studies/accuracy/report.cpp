@@ -104,7 +104,7 @@ std::string to_table(const StudyResult& result) {
     fmt::memory_buffer text;
     const auto out = std::back_inserter(text);
     fmt::format_to(out, "{}: {}\n  oracle: {}\n", result.name, result.error, result.oracle);
-    fmt::format_to(out, "  {:<8} {:<{}} {:>10} {:>10} {:>10} {:>8}\n", "who", "settings", widest, "time", "+-IQR", "error", "failures");
+    fmt::format_to(out, "  {:<8} {:<{}} {:>10} {:>10} {:>10} {:>8}\n", "who", "settings", widest, "time", "IQR", "error", "failures");
     for (const std::size_t i : order) {
         const Point& p = result.points[i];
         fmt::format_to(out, "{} {:<8} {:<{}} {:>10} {:>10} {:>10} {:>8}\n", on_front(result, i) ? '*' : ' ', p.who, to_string(p.settings),

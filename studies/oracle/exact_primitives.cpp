@@ -53,7 +53,8 @@ Real point_triangle_sq(const Vector& p, const Vector& a, const Vector& b, const 
 
 // Of two segments: where their lines are closest if that is within both, otherwise an end of one.
 Real segment_segment_sq(const Vector& a0, const Vector& a1, const Vector& b0, const Vector& b1) {
-    Real best = std::min({point_segment_sq(a0, b0, b1), point_segment_sq(a1, b0, b1), point_segment_sq(b0, a0, a1), point_segment_sq(b1, a0, a1)});
+    const Real best = std::min({point_segment_sq(a0, b0, b1), point_segment_sq(a1, b0, b1), point_segment_sq(b0, a0, a1),
+                                point_segment_sq(b1, a0, a1)});
     const Vector u = a1 - a0, v = b1 - b0, w = b0 - a0;
     const Vector n = cross(u, v);
     const Real nn = dot(n, n);
@@ -129,7 +130,8 @@ PreciseAnswer distance(const geo::Segment<double>& a, const geo::Segment<double>
 PreciseAnswer overlap(const geo::Sphere<double>& sphere, const geo::Aabb<double>& box) {
     Real square(0);
     for (int k = 0; k < 3; ++k) {
-        const Real outside = std::max({Real(box.lower[k]) - Real(sphere.center[k]), Real(sphere.center[k]) - Real(box.upper[k]), Real(0)});
+        const Real center(sphere.center[k]);
+        const Real outside = std::max({Real(box.lower[k]) - center, center - Real(box.upper[k]), Real(0)});
         square += outside * outside;
     }
     return {square <= Real(sphere.radius) * Real(sphere.radius), 0.0};

@@ -1,5 +1,5 @@
-// Distances and verdicts of single primitives in numbers of 300 bits, by the plainest formulas there are: what the primitive tests in float and
-// double are held against.
+// Distances and verdicts of single primitives in numbers of 300 bits, by the plainest formulas there are: what the primitive tests in
+// float and double are held against.
 //
 //   PreciseAnswer first = oracle::first_hit(sphere, ray);         // first.hit, first.value
 //
