@@ -16,7 +16,7 @@
 namespace carom {
 namespace sah {
 
-inline constexpr std::uint32_t kLeafSize = 3;
+inline constexpr std::uint32_t kLeafSize = 5;  ///< so that any leaf has at most 15 vertices; smaller ones gain nothing
 inline constexpr int kSahDepth = 48;  ///< below it ranges are halved by count, so that the depth has a bound
 inline constexpr int kMostBins = 16;
 
@@ -274,12 +274,15 @@ Split best_split(const SahItem* items, std::uint32_t count, const Binning& binni
 
 /// Left items from the front, right ones from the back: no branch, and so no misprediction for every second item.
 void partition(const SahItem* from, SahItem* to, std::uint32_t count, const Binning& binning, const Split& split) {
+    // The same arithmetic as in Binning, on one axis. A bin above the last one counts as the last, which never goes left.
+    const float origin = binning.origin[split.axis];
+    const float scale = binning.scale[split.axis];
+    const float limit = static_cast<float>(split.last) + kRounder;
     std::uint32_t begin = 0;
     std::uint32_t end = count;
     for (std::uint32_t k = 0; k < count; ++k) {
-        alignas(16) std::int32_t bin[4];
-        binning.bins_of(from[k], bin);
-        const bool left = bin[split.axis] <= split.last;
+        const float twice = from[k].lower[split.axis] - from[k].minus_upper[split.axis];
+        const bool left = (twice - origin) * scale + kRounder <= limit;
         end -= left ? 0u : 1u;
         to[left ? begin : end] = from[k];
         begin += left ? 1u : 0u;

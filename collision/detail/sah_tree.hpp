@@ -66,7 +66,7 @@ void fold_leaf(SahNode& node, std::span<const std::uint32_t> triangles, std::spa
 /// Sets choices and costs of an inner node from its children's.
 void fold_inner(SahNode& node, const SahFold& left, const SahFold& right, SahFold& fold);
 
-/// Builds the tree by binned surface-area heuristic down to 3 triangles and folds it. The same tree on every thread count and SIMD
+/// Builds the tree by binned surface-area heuristic down to 5 triangles and folds it. The same tree on every thread count and SIMD
 /// width.
 /// @param items    (m,), 1 <= m < 2^28, coordinates below 2^60; used as scratch.
 /// @param corners  (m,) welded vertices of each triangle.
