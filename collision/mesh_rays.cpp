@@ -110,7 +110,7 @@ HWY_INLINE Mask crossed_aside(const TriangleLanes& t) {
 
 MeshHit cast_closest(const WideBvh& tree, const geo::Ray<float>& from) {
     WideRay ray;
-    if (!prepare(tree, from, ray)) return {};
+    if (!prepare_lanes(tree, from, ray)) return {};
     Closest closest{ray};
     traverse(tree, ray, closest);
     if (closest.triangle == MeshHit::kNone) return {};
@@ -119,7 +119,7 @@ MeshHit cast_closest(const WideBvh& tree, const geo::Ray<float>& from) {
 
 bool cast_any(const WideBvh& tree, const geo::Ray<float>& from, LastOccluder* last) {
     WideRay ray;
-    if (!prepare(tree, from, ray)) return false;
+    if (!prepare_lanes(tree, from, ray)) return false;
     if (last != nullptr && last->tree == tree.lines.data() && hits_leaf(tree.leaf(last->leaf), ray)) return true;
     bool hit = false;
     traverse(tree, ray, [&](const WideLeaf& leaf) HWY_ATTR {
@@ -135,7 +135,7 @@ bool cast_any(const WideBvh& tree, const geo::Ray<float>& from, LastOccluder* la
 
 void cast_all(const WideBvh& tree, const geo::Ray<float>& from, std::vector<MeshHit>& found) {
     WideRay ray;
-    if (!prepare(tree, from, ray)) return;
+    if (!prepare_lanes(tree, from, ray)) return;
     traverse(tree, ray, [&](const WideLeaf& leaf) HWY_ATTR {
         for_parts(leaf, ray, [&](std::size_t at, const TriangleLanes& lanes, const LeafImages& images, const Picks& a, const Picks& b,
                                  const Picks& c) HWY_ATTR {

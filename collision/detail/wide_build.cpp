@@ -216,6 +216,8 @@ WideBvh build_wide_bvh(std::span<const vec3> vertices, std::span<const Corners> 
     const SahBox& box = tree.nodes[0].box;
     out.lower = {box.minimum[0], box.minimum[1], box.minimum[2]};
     out.upper = {-box.minimum[4], -box.minimum[5], -box.minimum[6]};
+    const vec3 size = out.upper - out.lower;
+    out.far_reach = out.scale == 1.0f ? WideBvh::kFar * std::max({size.x, size.y, size.z}) : -1.0f;
     Folding(out, tree, vertices, corners).run();
     out.built_cost = out.sah_cost;
     return out;

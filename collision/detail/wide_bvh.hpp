@@ -57,6 +57,8 @@ struct WideBvh {
     static constexpr std::size_t kMaxStack = kMaxDepth * (kWidth - 1) + 1;   ///< of a depth-first traversal
     static constexpr std::size_t kMaxTriangles = std::size_t{1} << 28;       ///< so that lines fit into a WideRef
 
+    static constexpr float kFar = 8.0f;
+
     struct alignas(64) Line {
         std::byte bytes[64];
     };
@@ -66,10 +68,13 @@ struct WideBvh {
     std::size_t leaf_count = 0;
     std::size_t triangle_count = 0;
     float scale = 1.0f;
-    vec3 lower{0.0f};             ///< box of the triangles, scaled
+    alignas(16) vec3 lower{0.0f};  ///< box of the triangles, scaled; lanes read each corner with a fourth float
+    float zero_lower = 0.0f;
     vec3 upper{0.0f};
-    double sah_cost = 0.0;        ///< see StaticBvh::sah_cost
-    double built_cost = 0.0;      ///< what sah_cost was when the tree was built
+    float zero_upper = 0.0f;
+    float far_reach = 0.0f;        ///< kFar sizes where scale is 1, else -1: rays from further off are moved or scaled first
+    double sah_cost = 0.0;         ///< see StaticBvh::sah_cost
+    double built_cost = 0.0;       ///< what sah_cost was when the tree was built
 
     [[nodiscard]] static constexpr WideRef root() noexcept { return 0; }
     [[nodiscard]] const WideNode& node(WideRef ref) const noexcept {

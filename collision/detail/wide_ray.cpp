@@ -8,6 +8,38 @@
 namespace carom {
 namespace {
 
+/// The largest distance along an axis from `origin` to the tree's box.
+float reach_of(const WideBvh& tree, const float* origin) noexcept {
+    float reach = 0.0f;
+    for (int k = 0; k < 3; ++k) {
+        reach = std::max(reach, std::max(std::abs(tree.lower[k] - origin[k]), std::abs(tree.upper[k] - origin[k])));
+    }
+    return reach;
+}
+
+/// Sets all but bounds and units. @param d  largest component in [1, 2).
+void set_up(const float* origin, const float* d, std::int32_t z, float reach, WideRay& out) noexcept {
+    const float largest = std::max({std::abs(origin[0]), std::abs(origin[1]), std::abs(origin[2])});
+    const float pad = WideRay::kPad * (reach + largest);
+    out.image_error = 0.5f * pad;
+    for (int k = 0; k < 3; ++k) {
+        const float component = std::copysign(std::max(std::abs(d[k]), WideRay::kLeastComponent), d[k]);
+        const float inverse = 1.0f / component;
+        const float side = std::copysign(pad, component);
+        out.origin[k] = origin[k];
+        out.inverse[k] = inverse;
+        out.near[k] = -(origin[k] + side) * inverse;
+        out.far[k] = -(origin[k] - side) * inverse;
+        out.back[k] = std::signbit(component) ? 1 : 0;
+    }
+    const std::int32_t x = z == 2 ? 0 : z + 1;
+    const std::int32_t y = x == 2 ? 0 : x + 1;
+    out.axis[0] = x, out.axis[1] = y, out.axis[2] = z;
+    out.depth = out.inverse[z];
+    out.shear[0] = d[x] * out.depth;
+    out.shear[1] = d[y] * out.depth;
+}
+
 /// The larger float of the two around x, or x.
 float round_up(double x) noexcept {
     if (x > static_cast<double>(std::numeric_limits<float>::max())) return std::numeric_limits<float>::infinity();
@@ -45,7 +77,7 @@ bool prepare(const WideBvh& tree, const geo::Ray<double>& ray, WideRay& out) noe
     const double half = (radius + rounding) / std::sqrt(length_sq);
     // Nothing is hit outside middle -+ half. Working from the beginning of that keeps rounding to the size of the mesh.
     out.moved = 0.0;
-    const bool far = glm::length(to_center) > static_cast<double>(WideRay::kFar) * radius;
+    const bool far = glm::length(to_center) > static_cast<double>(WideBvh::kFar) * radius;
     if (t_min < 0.0 || (far && middle - half > 0.0)) out.moved = std::max(t_min, middle - half);
     t_min -= out.moved;
     t_max -= out.moved;
@@ -57,6 +89,25 @@ bool prepare(const WideBvh& tree, const geo::Ray<double>& ray, WideRay& out) noe
     set_up(origin, direction, z, reach_of(tree, origin), out);
     out.t_min = std::max(static_cast<float>(t_min), 0.0f);
     out.t_max = round_up(t_max);
+    return true;
+}
+
+bool prepare_unusual(const WideBvh& tree, const geo::Ray<float>& ray, WideRay& out) noexcept {
+    const geo::Ray<double> wide{dvec3(ray.origin), dvec3(ray.direction), static_cast<double>(ray.t_min), static_cast<double>(ray.t_max)};
+    return prepare(tree, wide, out);
+}
+
+bool prepare(const WideBvh& tree, const geo::Ray<float>& ray, WideRay& out) noexcept {
+    const float* o = &ray.origin.x;
+    const float* d = &ray.direction.x;
+    const std::int32_t z = largest_axis(std::abs(d[0]), std::abs(d[1]), std::abs(d[2]));
+    const std::uint32_t exponent = (std::bit_cast<std::uint32_t>(d[z]) >> 23) & 0xffu;
+    const float reach = reach_of(tree, o);
+    if (!is_usual(tree, ray, reach, exponent) || !is_finite(ray.origin) || !is_finite(ray.direction)) return prepare_unusual(tree, ray, out);
+    const UnitBinade binade(exponent);
+    const float direction[3] = {d[0] * binade.shrink, d[1] * binade.shrink, d[2] * binade.shrink};
+    set_up(o, direction, z, reach, out);
+    set_bounds(ray, binade, out);
     return true;
 }
 

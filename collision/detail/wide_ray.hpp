@@ -41,13 +41,13 @@ namespace carom {
 struct WideRay {
     static constexpr float kPad = 28.0f * 0x1p-24f;
     static constexpr float kLeastComponent = 1e-18f;
-    static constexpr float kFar = 8.0f;  ///< sizes of the mesh from which an origin is moved
 
-    float origin[3];
-    float inverse[3];
-    float near[3];               ///< for the planes met first
-    float far[3];
-    std::int32_t back[3];        ///< 1 where the direction is negative: the upper plane is met first
+    // Three floats each; lanes write a fourth.
+    alignas(16) float origin[4];
+    alignas(16) float inverse[4];
+    alignas(16) float near[4];         ///< for the planes met first
+    alignas(16) float far[4];
+    alignas(16) std::int32_t back[4];  ///< 1 where the direction is negative: the upper plane is met first
     std::int32_t axis[3];        ///< x, y, z above, in the order of a rotation
     float shear[2];
     float depth;                 ///< 1 / d_z
@@ -66,69 +66,34 @@ struct WideRay {
 /// @return false where the ray is bad input or surely misses.
 [[nodiscard]] bool prepare(const WideBvh& tree, const geo::Ray<double>& ray, WideRay& out) noexcept;
 
-/// The largest distance along an axis from `origin` to the tree's box.
-inline float reach_of(const WideBvh& tree, const float* origin) noexcept {
-    float reach = 0.0f;
-    for (int k = 0; k < 3; ++k) {
-        reach = std::max(reach, std::max(std::abs(tree.lower[k] - origin[k]), std::abs(tree.upper[k] - origin[k])));
-    }
-    return reach;
-}
+/// The same for a ray in float, one number at a time. Kernels have prepare_lanes (wide_traverse.hpp), which gives the same bits.
+[[nodiscard]] bool prepare(const WideBvh& tree, const geo::Ray<float>& ray, WideRay& out) noexcept;
 
-inline std::int32_t largest_axis(float x, float y, float z) noexcept {
+/// The same by way of double, which has room for every case: bounds are those of the nearest float.
+[[nodiscard]] bool prepare_unusual(const WideBvh& tree, const geo::Ray<float>& ray, WideRay& out) noexcept;
+
+[[nodiscard]] inline std::int32_t largest_axis(float x, float y, float z) noexcept {
     const std::int32_t xy = x >= y ? 0 : 1;
     return (x >= y ? x : y) >= z ? xy : 2;
 }
 
-/// Sets all but bounds and units. @param d  largest component in [1, 2).
-inline void set_up(const float* origin, const float* d, std::int32_t z, float reach, WideRay& out) noexcept {
-    const float largest = std::max({std::abs(origin[0]), std::abs(origin[1]), std::abs(origin[2])});
-    const float pad = WideRay::kPad * (reach + largest);
-    out.image_error = 0.5f * pad;
-    for (int k = 0; k < 3; ++k) {
-        const float component = std::copysign(std::max(std::abs(d[k]), WideRay::kLeastComponent), d[k]);
-        const float inverse = 1.0f / component;
-        const float side = std::copysign(pad, component);
-        out.origin[k] = origin[k];
-        out.inverse[k] = inverse;
-        out.near[k] = -(origin[k] + side) * inverse;
-        out.far[k] = -(origin[k] - side) * inverse;
-        out.back[k] = std::signbit(component) ? 1 : 0;
-    }
-    const std::int32_t x = z == 2 ? 0 : z + 1;
-    const std::int32_t y = x == 2 ? 0 : x + 1;
-    out.axis[0] = x, out.axis[1] = y, out.axis[2] = z;
-    out.depth = out.inverse[z];
-    out.shear[0] = d[x] * out.depth;
-    out.shear[1] = d[y] * out.depth;
+/// What brings a direction's largest component into [1, 2), and back.
+struct UnitBinade {
+    float shrink, grow;
+    explicit UnitBinade(std::uint32_t exponent) noexcept
+        : shrink(std::bit_cast<float>((254u - exponent) << 23)), grow(std::bit_cast<float>(exponent << 23)) {}
+};
+
+/// True where a ray needs neither moving nor scaling, but for non-finite components. @param exponent  of its largest component, biased.
+[[nodiscard]] inline bool is_usual(const WideBvh& tree, const geo::Ray<float>& ray, float reach, std::uint32_t exponent) noexcept {
+    return (exponent - 64u < 127u) & (reach <= tree.far_reach) & (ray.t_min >= 0.0f) & (ray.t_min <= ray.t_max);
 }
 
-/// The same for a ray in float.
-[[nodiscard]] inline bool prepare(const WideBvh& tree, const geo::Ray<float>& ray, WideRay& out) noexcept {
-    const float* o = &ray.origin.x;
-    const float* d = &ray.direction.x;
-    const std::int32_t z = largest_axis(std::abs(d[0]), std::abs(d[1]), std::abs(d[2]));
-    const std::uint32_t exponent = (std::bit_cast<std::uint32_t>(d[z]) >> 23) & 0xffu;
-    const float reach = reach_of(tree, o);
-    const float size = std::max({tree.upper.x - tree.lower.x, tree.upper.y - tree.lower.y, tree.upper.z - tree.lower.z});
-    const float sum = ((o[0] + o[1]) + (o[2] + d[0])) + (d[1] + d[2]);  // not finite where a component is not
-    const bool plain = (sum - sum == 0.0f) & (exponent - 64u < 127u) & (reach <= WideRay::kFar * size) & (tree.scale == 1.0f) &
-                       (ray.t_min >= 0.0f) & (ray.t_min <= ray.t_max);
-    if (!plain) {
-        // In double, which has room for every case; its bounds are of the nearest float.
-        const geo::Ray<double> wide{dvec3(ray.origin), dvec3(ray.direction), static_cast<double>(ray.t_min),
-                                    static_cast<double>(ray.t_max)};
-        return prepare(tree, wide, out);
-    }
-    const float shrink = std::bit_cast<float>((254u - exponent) << 23);  // 1 over the power of two in d_z
-    const float grow = std::bit_cast<float>(exponent << 23);
-    const float direction[3] = {d[0] * shrink, d[1] * shrink, d[2] * shrink};
-    set_up(o, direction, z, reach, out);
-    out.t_min = ray.t_min * grow + 0.0f;
-    out.t_max = ray.t_max * grow;
+inline void set_bounds(const geo::Ray<float>& ray, UnitBinade binade, WideRay& out) noexcept {
+    out.t_min = ray.t_min * binade.grow + 0.0f;
+    out.t_max = ray.t_max * binade.grow;
     out.moved = 0.0;
-    out.unit = static_cast<double>(shrink);
-    return true;
+    out.unit = static_cast<double>(binade.shrink);
 }
 
 }  // namespace carom

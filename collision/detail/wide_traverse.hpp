@@ -29,6 +29,52 @@ namespace carom::HWY_NAMESPACE {
 /// Registers to 16 lanes.
 constexpr int kParts = kWidth / kLanes;
 
+/// prepare() of wide_ray.hpp with the axes in lanes.
+HWY_INLINE bool prepare_lanes(const WideBvh& tree, const geo::Ray<float>& ray, WideRay& out) {
+#if HWY_TARGET == HWY_SCALAR
+    return prepare(tree, ray, out);
+#else
+    const hn::Simd<float, 4, 0> tag;
+    const auto origin = hn::LoadU(tag, &ray.origin.x);        // x, y, z, and the direction's x
+    const auto direction = hn::LoadU(tag, &ray.direction.x);  // x, y, z, and t_min
+    const auto largest_of = [&](auto v) HWY_ATTR {            // of x, y, z
+        return hn::GetLane(hn::Max(hn::Max(v, hn::Shuffle0321(v)), hn::Shuffle1032(v)));
+    };
+    const auto to_lower = hn::Abs(hn::Sub(hn::Load(tag, &tree.lower.x), origin));
+    const auto to_upper = hn::Abs(hn::Sub(hn::Load(tag, &tree.upper.x), origin));
+    const float reach = largest_of(hn::Max(to_lower, to_upper));
+    const float* d = &ray.direction.x;
+    const std::int32_t z = largest_axis(std::abs(d[0]), std::abs(d[1]), std::abs(d[2]));
+    const std::uint32_t exponent = (std::bit_cast<std::uint32_t>(d[z]) >> 23) & 0xffu;
+    const auto not_finite = hn::Add(hn::Sub(origin, origin), hn::Sub(direction, direction));  // else zero
+    if (!is_usual(tree, ray, reach, exponent) || !hn::AllTrue(tag, hn::Eq(not_finite, hn::Zero(tag)))) {
+        return prepare_unusual(tree, ray, out);
+    }
+    const UnitBinade binade(exponent);
+    const auto unit = hn::Mul(direction, hn::Set(tag, binade.shrink));
+    const auto component = hn::CopySign(hn::Max(hn::Abs(unit), hn::Set(tag, WideRay::kLeastComponent)), unit);
+    const auto inverse = hn::Div(hn::Set(tag, 1.0f), component);
+    const float pad = WideRay::kPad * (reach + largest_of(hn::Abs(origin)));
+    const auto side = hn::CopySign(hn::Set(tag, pad), component);
+    hn::Store(origin, tag, out.origin);
+    hn::Store(inverse, tag, out.inverse);
+    hn::Store(hn::Mul(hn::Neg(hn::Add(origin, side)), inverse), tag, out.near);
+    hn::Store(hn::Mul(hn::Neg(hn::Sub(origin, side)), inverse), tag, out.far);
+    const hn::Rebind<std::uint32_t, decltype(tag)> word;
+    const hn::Rebind<std::int32_t, decltype(tag)> integer;
+    hn::Store(hn::BitCast(integer, hn::ShiftRight<31>(hn::BitCast(word, component))), integer, out.back);
+    out.image_error = 0.5f * pad;
+    const std::int32_t x = z == 2 ? 0 : z + 1;
+    const std::int32_t y = x == 2 ? 0 : x + 1;
+    out.axis[0] = x, out.axis[1] = y, out.axis[2] = z;
+    out.depth = 1.0f / (d[z] * binade.shrink);
+    out.shear[0] = d[x] * binade.shrink * out.depth;
+    out.shear[1] = d[y] * binade.shrink * out.depth;
+    set_bounds(ray, binade, out);
+    return true;
+#endif
+}
+
 /// A ray's constants for slabs, in registers.
 struct SlabLanes {
     Floats inverse[3], near[3], far[3];
