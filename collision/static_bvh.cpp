@@ -1,5 +1,6 @@
 #include <carom/collision/static_bvh.hpp>
 
+#include <carom/collision/detail/check_mesh.hpp>
 #include <carom/collision/detail/wide_build.hpp>
 #include <carom/collision/detail/wide_bvh.hpp>
 #include <carom/collision/detail/wide_refit.hpp>
@@ -12,29 +13,6 @@ namespace {
 
 static_assert(StaticBvh::kMaxTriangles == WideBvh::kMaxTriangles);
 
-Status check(std::span<const vec3> vertices, std::span<const StaticBvh::Triangle> triangles, const char* where) {
-    if (triangles.empty()) return Error{ErrorCode::Empty, "a hierarchy needs at least one triangle", where};
-    if (triangles.size() > StaticBvh::kMaxTriangles) {
-        return Error{ErrorCode::InvalidArgument, "a hierarchy holds at most 2^28 triangles", where};
-    }
-    for (std::size_t i = 0; i < vertices.size(); ++i) {
-        if (!is_finite(vertices[i])) {
-            return Error{ErrorCode::NotFinite, "vertex " + std::to_string(i) + " is not finite", where};
-        }
-    }
-    for (std::size_t i = 0; i < triangles.size(); ++i) {
-        for (const std::uint32_t v : triangles[i]) {
-            if (v >= vertices.size()) {
-                return Error{ErrorCode::InvalidArgument,
-                             "triangle " + std::to_string(i) + " names vertex " + std::to_string(v) + " of " +
-                                 std::to_string(vertices.size()),
-                             where};
-            }
-        }
-    }
-    return {};
-}
-
 }  // namespace
 
 StaticBvh::StaticBvh(WideBvh&& wide) : wide_(std::make_unique<WideBvh>(std::move(wide))) {}
@@ -43,7 +21,7 @@ StaticBvh& StaticBvh::operator=(StaticBvh&&) noexcept = default;
 StaticBvh::~StaticBvh() = default;
 
 Result<StaticBvh> StaticBvh::build(std::span<const vec3> vertices, std::span<const Triangle> triangles, Executor& executor) {
-    if (Status status = check(vertices, triangles, "StaticBvh::build"); !status) return status.error();
+    if (Status status = check_mesh(vertices, triangles, "StaticBvh::build"); !status) return status.error();
     return StaticBvh(build_wide_bvh(vertices, triangles, executor));
 }
 
@@ -54,7 +32,7 @@ Result<StaticBvh> StaticBvh::build(std::span<const vec3> vertices, std::span<con
 
 Status StaticBvh::refit(std::span<const vec3> vertices, std::span<const Triangle> triangles) {
     constexpr const char* kWhere = "StaticBvh::refit";
-    if (Status status = check(vertices, triangles, kWhere); !status) return status.error();
+    if (Status status = check_mesh(vertices, triangles, kWhere); !status) return status.error();
     if (triangles.size() != wide_->triangle_count) {
         return Error{ErrorCode::InvalidArgument,
                      std::to_string(triangles.size()) + " triangles for a hierarchy of " + std::to_string(wide_->triangle_count), kWhere};

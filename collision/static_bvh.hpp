@@ -75,6 +75,7 @@ public:
     [[nodiscard]] const WideBvh& wide() const noexcept { return *wide_; }
 
 private:
+    friend class TriangleMesh;
     explicit StaticBvh(WideBvh&& wide);
     std::unique_ptr<WideBvh> wide_;
 };

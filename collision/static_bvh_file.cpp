@@ -189,6 +189,8 @@ Result<StaticBvh> StaticBvh::load(std::span<const std::byte> bytes) {
     tree.scale = header->scale;
     tree.lower = {header->lower[0], header->lower[1], header->lower[2]};
     tree.upper = {header->upper[0], header->upper[1], header->upper[2]};
+    tree.update_far_reach();
+    tree.lossless = tree.scale >= 1.0f;  // or not known
     tree.sah_cost = header->cost;
     tree.built_cost = header->built_cost;
     if (header->triangles > header->leaves * kWidth) return fault("more triangles than its leaves hold");

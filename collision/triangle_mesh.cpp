@@ -1,7 +1,9 @@
 #include <carom/collision/triangle_mesh.hpp>
 
-#include <carom/collision/detail/bvh.hpp>
+#include <carom/collision/detail/check_mesh.hpp>
 #include <carom/collision/detail/exact_sign.hpp>
+#include <carom/collision/detail/wide_build.hpp>
+#include <carom/collision/detail/wide_overlap.hpp>
 
 #include <algorithm>
 #include <numeric>
@@ -68,30 +70,17 @@ bool degenerate(const vec3& a, const vec3& b, const vec3& c) noexcept {
            orientation_sign({a.z, a.x}, {b.z, b.x}, {c.z, c.x}) == 0;
 }
 
-Status check(std::span<const vec3> vertices, std::span<const Triangle> triangles) {
-    constexpr const char* kWhere = "TriangleMesh::build";
-    if (triangles.empty()) {
-        return Error{ErrorCode::Empty, "a mesh needs at least one triangle", kWhere};
+/// The box of the tree below `ref`, whose own box is `box`, parents first.
+void visit_below(const WideBvh& tree, WideRef ref, const Aabb& box, int depth, FunctionRef<void(const Aabb&, int)> visit) {
+    visit(box, depth);
+    if (is_leaf(ref)) return;
+    const WideNode& node = tree.node(ref);
+    const double unit = 1.0 / static_cast<double>(tree.scale);
+    for (int i = 0; i < child_count(node); ++i) {
+        const dvec3 lower(node.bound[0][0][i], node.bound[0][1][i], node.bound[0][2][i]);
+        const dvec3 upper(node.bound[1][0][i], node.bound[1][1][i], node.bound[1][2][i]);
+        visit_below(tree, node.child[i], {unit * lower, unit * upper}, depth + 1, visit);
     }
-    if (triangles.size() > Bvh::kMaxTriangles) {
-        return Error{ErrorCode::InvalidArgument, "a mesh holds at most 2^29 triangles", kWhere};
-    }
-    for (std::size_t i = 0; i < vertices.size(); ++i) {
-        if (!is_finite(vertices[i])) {
-            return Error{ErrorCode::NotFinite, "vertex " + std::to_string(i) + " is not finite", kWhere};
-        }
-    }
-    for (std::size_t i = 0; i < triangles.size(); ++i) {
-        for (const std::uint32_t v : triangles[i]) {
-            if (v >= vertices.size()) {
-                return Error{ErrorCode::InvalidArgument,
-                             "triangle " + std::to_string(i) + " names vertex " + std::to_string(v) + " of " +
-                                 std::to_string(vertices.size()),
-                             kWhere};
-            }
-        }
-    }
-    return {};
 }
 
 }  // namespace
@@ -99,10 +88,15 @@ Status check(std::span<const vec3> vertices, std::span<const Triangle> triangles
 TriangleMesh::~TriangleMesh() = default;
 
 Result<TriangleMeshPtr> TriangleMesh::build(std::span<const vec3> vertices, std::span<const Triangle> triangles) {
-    if (Status status = check(vertices, triangles); !status) {
+    SerialExecutor serial;
+    return build(vertices, triangles, serial);
+}
+
+Result<TriangleMeshPtr> TriangleMesh::build(std::span<const vec3> vertices, std::span<const Triangle> triangles, Executor& executor) {
+    if (Status status = check_mesh(vertices, triangles, "TriangleMesh::build"); !status) {
         return status.error();
     }
-    std::shared_ptr<TriangleMesh> mesh(new TriangleMesh);
+    std::shared_ptr<TriangleMesh> mesh(new TriangleMesh(StaticBvh(build_wide_bvh(vertices, triangles, executor))));
     mesh->vertices_.assign(vertices.begin(), vertices.end());
     mesh->triangles_.assign(triangles.begin(), triangles.end());
     for (const vec3& v : vertices) {
@@ -112,7 +106,6 @@ Result<TriangleMeshPtr> TriangleMesh::build(std::span<const vec3> vertices, std:
         mesh->degenerate_count_ += degenerate(vertices[t[0]], vertices[t[1]], vertices[t[2]]) ? 1u : 0u;
     }
     mesh->closed_ = closed(vertices, triangles);
-    mesh->bvh_ = std::make_unique<const Bvh>(vertices, triangles);
     return TriangleMeshPtr(std::move(mesh));
 }
 
@@ -121,8 +114,20 @@ std::array<vec3, 3> TriangleMesh::corners(std::uint32_t index) const noexcept {
     return {vertices_[t[0]], vertices_[t[1]], vertices_[t[2]]};
 }
 
-void TriangleMesh::overlap(const Aabb& box, FunctionRef<bool(std::uint32_t)> visit) const { bvh_->overlap(box, visit); }
+void TriangleMesh::overlap(const Aabb& box, FunctionRef<bool(std::uint32_t)> visit) const {
+    if (bvh_.wide().lossless) {
+        visit_overlaps(bvh_.wide(), box, visit);
+        return;
+    }
+    visit_overlaps(bvh_.wide(), box, [&](std::uint32_t triangle) {
+        const auto [a, b, c] = corners(triangle);
+        const Aabb own{dvec3(glm::min(a, glm::min(b, c))), dvec3(glm::max(a, glm::max(b, c)))};
+        return !overlaps(box, own) || visit(triangle);
+    });
+}
 
-void TriangleMesh::visit_nodes(FunctionRef<void(const Aabb&, int)> visit) const { bvh_->visit_nodes(visit); }
+void TriangleMesh::visit_nodes(FunctionRef<void(const Aabb&, int)> visit) const {
+    visit_below(bvh_.wide(), WideBvh::root(), bvh_.bounds(), 0, visit);
+}
 
 }  // namespace carom

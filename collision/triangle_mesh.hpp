@@ -6,6 +6,8 @@
 
 #include <carom/collision/aabb.hpp>
 #include <carom/collision/shapes.hpp>
+#include <carom/collision/static_bvh.hpp>
+#include <carom/core/executor.hpp>
 #include <carom/core/function_ref.hpp>
 #include <carom/core/types.hpp>
 
@@ -13,11 +15,10 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace carom {
-
-class Bvh;  // <carom/collision/detail/bvh.hpp>
 
 /// A surface of triangles, counter-clockwise seen from outside. Both sides collide.
 class TriangleMesh {
@@ -26,8 +27,11 @@ public:
 
     /// @param vertices   (n,) [m], finite.
     /// @param triangles  (m,) indices below n, m >= 1. Triangles of zero area are kept and counted (see degenerate_count).
-    /// @return the mesh; Empty, NotFinite or InvalidArgument (an index out of range, by triangle).
+    /// @return the mesh; Empty, NotFinite or InvalidArgument (an index out of range, by triangle; more than 2^28 triangles).
     [[nodiscard]] static Result<TriangleMeshPtr> build(std::span<const vec3> vertices, std::span<const Triangle> triangles);
+    /// The same; `executor` builds the hierarchy of a large mesh in parallel, with the same result.
+    [[nodiscard]] static Result<TriangleMeshPtr> build(std::span<const vec3> vertices, std::span<const Triangle> triangles,
+                                                       Executor& executor);
     ~TriangleMesh();
 
     [[nodiscard]] std::span<const vec3> vertices() const noexcept { return vertices_; }
@@ -42,20 +46,21 @@ public:
     [[nodiscard]] std::size_t degenerate_count() const noexcept { return degenerate_count_; }
     /// @return the box of the vertices.
     [[nodiscard]] const Aabb& local_bounds() const noexcept { return bounds_; }
-    [[nodiscard]] const Bvh& bvh() const noexcept { return *bvh_; }
+    /// @return the hierarchy, in the mesh's frame: rays in float go there (mesh_rays.hpp).
+    [[nodiscard]] const StaticBvh& bvh() const noexcept { return bvh_; }
 
     /// Calls `visit` for every triangle whose box overlaps `box` (closed test, mesh frame) until it returns false. The order is
     /// fixed by the mesh alone. Cost: O(log m + hits), no allocation, thread-safe.
     void overlap(const Aabb& box, FunctionRef<bool(std::uint32_t triangle)> visit) const;
 
-    /// Visits the boxes of the hierarchy's nodes with their depth (root 0), for drawing.
+    /// Visits the boxes of the hierarchy's nodes and leaves with their depth (root 0), parents first, for drawing.
     void visit_nodes(FunctionRef<void(const Aabb& box, int depth)> visit) const;
 
 private:
-    TriangleMesh() = default;
+    explicit TriangleMesh(StaticBvh&& bvh) noexcept : bvh_(std::move(bvh)) {}
     std::vector<vec3> vertices_;
     std::vector<Triangle> triangles_;
-    std::unique_ptr<const Bvh> bvh_;
+    StaticBvh bvh_;
     Aabb bounds_;
     std::size_t degenerate_count_ = 0;
     bool closed_ = false;

@@ -1,11 +1,11 @@
 // Rays against a mesh through its hierarchy.
-#include <carom/collision/detail/bvh.hpp>
+#include <carom/collision/detail/ray_candidates.hpp>
 #include <carom/collision/detail/ray_local.hpp>
-#include <carom/collision/detail/ray_slabs.hpp>
 #include <carom/collision/detail/ray_triangle.hpp>
 #include <carom/collision/triangle_mesh.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace carom {
@@ -37,26 +37,33 @@ std::optional<RayHit> cast_local(const TriangleMesh& mesh, const LocalRay& ray) 
     if (!(largest_coordinate(origin) < 1e100)) {
         return std::nullopt;
     }
-    const double scale = std::max(largest_coordinate(bounds.lower), largest_coordinate(bounds.upper));
-    const RaySlabs slabs(origin, ray.direction, scale);
     const RayFrame frame(origin, ray.direction);
 
     // Wide enough for the rounding of the subtraction; each hit is compared with max_distance itself.
     double nearest = (ray.max_distance - skipped) + 0x1p-50 * skipped;
     std::optional<RayHit> best;
     dvec3 weights{0.0};
-    mesh.bvh().traverse(slabs, nearest, [&](std::uint32_t triangle) {
-        const std::array<vec3, 3> corners = mesh.corners(triangle);
-        const std::optional<TriangleCrossing> crossing = intersect(frame, corners[0], corners[1], corners[2]);
-        if (!crossing || !(crossing->distance >= 0.0) || skipped + crossing->distance > ray.max_distance) {
-            return;
+    WideRay wide;
+    const WideBvh& tree = mesh.bvh().wide();
+    if (!prepare(tree, geo::Ray<double>{origin, ray.direction, 0.0, nearest}, wide)) {
+        return std::nullopt;
+    }
+    visit_ray_candidates(tree, wide, [&](const WideLeaf& leaf, unsigned triangles) {
+        for (; triangles != 0; triangles &= triangles - 1) {
+            const std::uint32_t triangle = leaf.triangle[std::countr_zero(triangles)];
+            const std::array<vec3, 3> corners = mesh.corners(triangle);
+            const std::optional<TriangleCrossing> crossing = intersect(frame, corners[0], corners[1], corners[2]);
+            if (!crossing || !(crossing->distance >= 0.0) || skipped + crossing->distance > ray.max_distance) {
+                continue;
+            }
+            // Ties go to the lowest triangle, whatever the order of the hierarchy.
+            if (!best || crossing->distance < nearest || (crossing->distance == nearest && triangle < best->triangle)) {
+                nearest = crossing->distance;
+                best.emplace().triangle = triangle;
+                weights = crossing->weights;
+            }
         }
-        // Ties go to the lowest triangle, whatever the order of the hierarchy.
-        if (!best || crossing->distance < nearest || (crossing->distance == nearest && triangle < best->triangle)) {
-            nearest = crossing->distance;
-            best.emplace().triangle = triangle;
-            weights = crossing->weights;
-        }
+        return wide.own_t(nearest);
     });
     if (best) {
         const std::array<vec3, 3> corners = mesh.corners(best->triangle);

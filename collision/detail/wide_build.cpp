@@ -198,6 +198,8 @@ WideBvh build_wide_bvh(std::span<const vec3> vertices, std::span<const Corners> 
     for (const vec3& v : vertices) largest = std::max({largest, std::abs(v.x), std::abs(v.y), std::abs(v.z)});
     out.scale = wide_scale_for(largest);
 
+    out.lossless = scales_exactly(vertices, out.scale);
+
     HugePageVector<SahItem> items(triangles.size());
     HugePageVector<Corners> corners(triangles.size());
     executor.parallel_for(triangles.size(), 4096, [&](std::size_t begin, std::size_t end) {
@@ -216,8 +218,7 @@ WideBvh build_wide_bvh(std::span<const vec3> vertices, std::span<const Corners> 
     const SahBox& box = tree.nodes[0].box;
     out.lower = {box.minimum[0], box.minimum[1], box.minimum[2]};
     out.upper = {-box.minimum[4], -box.minimum[5], -box.minimum[6]};
-    const vec3 size = out.upper - out.lower;
-    out.far_reach = out.scale == 1.0f ? WideBvh::kFar * std::max({size.x, size.y, size.z}) : -1.0f;
+    out.update_far_reach();
     Folding(out, tree, vertices, corners).run();
     out.built_cost = out.sah_cost;
     return out;

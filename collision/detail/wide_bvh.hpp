@@ -5,8 +5,8 @@
 //
 // Queries are written against this file alone. Invariants, beyond what the fields say:
 //  - Coordinates are those of the mesh times `scale`, a power of two; it is 1 unless the mesh is tinier than 2^-20 or larger than
-//    2^20, so that products neither overflow nor underflow. Leaf coordinates / scale are the mesh's own bits, save for coordinates
-//    below 2^-80 of a mesh larger than 2^40.
+//    2^20, so that products neither overflow nor underflow. Leaf coordinates / scale are the mesh's own bits, save
+//    where a mesh larger than 2^20 has coordinates so small that they become denormal; `lossless` tells.
 //  - A child's box is the exact box of the vertices of the triangles below it; boxes of siblings may overlap.
 //  - Children stand in lanes 0, 1, ... without gaps; a lane without a child has the box [+inf, -inf] and child 0.
 //  - Each triangle of the mesh is in exactly one leaf, degenerate ones too, and the numbers in a leaf ascend.
@@ -68,6 +68,7 @@ struct WideBvh {
     std::size_t leaf_count = 0;
     std::size_t triangle_count = 0;
     float scale = 1.0f;
+    bool lossless = true;          ///< leaf coordinates / scale are the mesh's own, to the bit
     alignas(16) vec3 lower{0.0f};  ///< box of the triangles, scaled; lanes read each corner with a fourth float
     float zero_lower = 0.0f;
     vec3 upper{0.0f};
@@ -77,6 +78,12 @@ struct WideBvh {
     double built_cost = 0.0;       ///< what sah_cost was when the tree was built
 
     [[nodiscard]] static constexpr WideRef root() noexcept { return 0; }
+    /// Sets far_reach; to be called when the box or the scale has changed.
+    void update_far_reach() noexcept {
+        const vec3 size = upper - lower;
+        const float largest = size.x > size.y ? (size.x > size.z ? size.x : size.z) : (size.y > size.z ? size.y : size.z);
+        far_reach = scale == 1.0f ? kFar * largest : -1.0f;
+    }
     [[nodiscard]] const WideNode& node(WideRef ref) const noexcept {
         return *reinterpret_cast<const WideNode*>(lines.data() + ref);
     }

@@ -92,6 +92,8 @@ bool prepare(const WideBvh& tree, const geo::Ray<double>& ray, WideRay& out) noe
     return true;
 }
 
+float WideRay::own_t(double t) const noexcept { return round_up(t / unit - moved); }
+
 bool prepare_unusual(const WideBvh& tree, const geo::Ray<float>& ray, WideRay& out) noexcept {
     const geo::Ray<double> wide{dvec3(ray.origin), dvec3(ray.direction), static_cast<double>(ray.t_min), static_cast<double>(ray.t_max)};
     return prepare(tree, wide, out);

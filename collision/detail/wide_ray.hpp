@@ -60,9 +60,11 @@ struct WideRay {
     [[nodiscard]] float caller_t(float t) const noexcept {
         return static_cast<float>((moved + static_cast<double>(t)) * unit);
     }
+    /// @return the parameter at the caller's `t`, rounded up.
+    [[nodiscard]] float own_t(double t) const noexcept;
 };
 
-/// Prepares a ray in double whose origin need not be near; out.t_max is rounded up.
+/// Prepares a ray in double whose origin need not be near; out.t_max is rounded up. Meant for ray_candidates.hpp.
 /// @return false where the ray is bad input or surely misses.
 [[nodiscard]] bool prepare(const WideBvh& tree, const geo::Ray<double>& ray, WideRay& out) noexcept;
 

@@ -47,6 +47,12 @@ float wide_scale_for(float largest) noexcept {
     return std::ldexp(1.0f, std::clamp(-exponent, -120, 120));
 }
 
+bool scales_exactly(std::span<const vec3> vertices, float scale) noexcept {
+    if (scale >= 1.0f) return true;  // upwards: to a size of about 1
+    const float back = 1.0f / scale;
+    return std::ranges::all_of(vertices, [&](const vec3& v) { return back * (scale * v) == v; });
+}
+
 Status refit_wide_bvh(WideBvh& tree, std::span<const vec3> vertices, std::span<const Corners> triangles) {
     constexpr const char* kWhere = "StaticBvh::refit";
     float largest = 0.0f;
@@ -82,6 +88,8 @@ Status refit_wide_bvh(WideBvh& tree, std::span<const vec3> vertices, std::span<c
     }
     moved.lower = boxes[0].lower;
     moved.upper = boxes[0].upper;
+    moved.update_far_reach();
+    moved.lossless = scales_exactly(vertices, moved.scale);
     moved.sah_cost = cost / weight_of(boxes[0]);
     tree = std::move(moved);
     return {};

@@ -14,6 +14,9 @@ namespace carom {
 /// @return the power of two by which coordinates up to `largest` are scaled: 1 where they are of ordinary size.
 [[nodiscard]] float wide_scale_for(float largest) noexcept;
 
+/// @return whether scaling, and scaling back, gives every coordinate again.
+[[nodiscard]] bool scales_exactly(std::span<const vec3> vertices, float scale) noexcept;
+
 /// Writes new positions into the leaves and new boxes above them, and updates sah_cost. Changes nothing where it fails.
 /// @param vertices   finite, as many as the triangles name.
 /// @param triangles  those of which the tree was built.
