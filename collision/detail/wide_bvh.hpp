@@ -78,6 +78,12 @@ struct WideBvh {
     double built_cost = 0.0;       ///< what sah_cost was when the tree was built
 
     [[nodiscard]] static constexpr WideRef root() noexcept { return 0; }
+    /// Sets far_reach; to be called when the box or the scale has changed.
+    void update_far_reach() noexcept {
+        const vec3 size = upper - lower;
+        const float largest = size.x > size.y ? (size.x > size.z ? size.x : size.z) : (size.y > size.z ? size.y : size.z);
+        far_reach = scale == 1.0f ? kFar * largest : -1.0f;
+    }
     [[nodiscard]] const WideNode& node(WideRef ref) const noexcept {
         return *reinterpret_cast<const WideNode*>(lines.data() + ref);
     }
