@@ -6,9 +6,10 @@
 //
 // A half-space is what lies below a plane, dot(normal, x) <= offset; normals need not be of unit length. Solids are closed: what lies in
 // a face is kept.
-//   Accuracy   computed in double, float rounded once. Whether an end or a corner is inside a half-space or a box along the axes is
-//              decided exactly; ends and corners inside are returned bit for bit. Where a cut lies: each function. eps is that of
-//              double. Pinned in tests/collision/clipping_test.cpp against exact rationals.
+//   Accuracy   computed in double, float rounded once. Whether an end or a corner is inside a half-space or a box along
+//              the axes is decided exactly, but for underflow: below 1e-240 m sides may be taken for the face itself. Ends
+//              and corners inside are returned bit for bit. Where a cut lies: each function. eps is that of double. Pinned
+//              in tests/collision/clipping_test.cpp against exact rationals.
 //   Bad input  NaN or infinity (of a double, anything above 1e150), an inverted box, negative half extents: nothing is kept. A plane
 //              without a normal keeps all where 0 <= offset, and nothing otherwise.
 //   Cost       O(corners x planes); no allocation but for a clipper's buffers; thread-safe.

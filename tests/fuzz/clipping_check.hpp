@@ -20,8 +20,7 @@ template <class T>
 void keep_below(exact::Range& range, const exact::Line& line, const geo::Plane<T>& plane, const exact::Rational& by) {
     const exact::Vec n = exact::vec(plane.normal);
     const exact::Rational moved = by * exact::sqrt_up(exact::length_sq(n));
-    range.keep_nonnegative(exact::number(plane.offset) + moved - exact::dot(n, line.origin),
-                           -exact::dot(n, line.direction));
+    range.keep_nonnegative(exact::number(plane.offset) + moved - exact::dot(n, line.origin), -exact::dot(n, line.direction));
 }
 
 template <class T>
@@ -31,8 +30,7 @@ template <class T>
     return range;
 }
 template <class T>
-[[nodiscard]] exact::Range kept(exact::Range range, const exact::Line& line, const geo::Aabb<T>& box,
-                                const exact::Rational& by) {
+[[nodiscard]] exact::Range kept(exact::Range range, const exact::Line& line, const geo::Aabb<T>& box, const exact::Rational& by) {
     for (int k = 0; k < 3; ++k) {
         range.keep_nonnegative(line.origin[k] - exact::number(box.lower[k]) + by, line.direction[k]);
         range.keep_nonnegative(exact::number(box.upper[k]) - line.origin[k] + by, -line.direction[k]);
@@ -40,8 +38,7 @@ template <class T>
     return range;
 }
 template <class T>
-[[nodiscard]] exact::Range kept(exact::Range range, const exact::Line& line, const geo::Obb<T>& box,
-                                const exact::Rational& by) {
+[[nodiscard]] exact::Range kept(exact::Range range, const exact::Line& line, const geo::Obb<T>& box, const exact::Rational& by) {
     for (int k = 0; k < 3; ++k) {
         const exact::Vec axis = exact::vec(box.axes[k]);
         const exact::Rational at = exact::dot(axis, line.origin - exact::vec(box.center));
@@ -51,6 +48,9 @@ template <class T>
     }
     return range;
 }
+
+/// What heights above planes may lose to underflow [m].
+inline constexpr double kLostToUnderflow = 0x1p-800;
 
 /// What is wrong with the part of `segment` that was kept of `solid`, if faces may be moved by `by`.
 template <class T, class Solid>
@@ -63,8 +63,7 @@ template <class T, class Solid>
     };
     if (!got) return is_left({0, 1}, -by) ? "a part is lost" : "";
     if (!(got->t_a >= T(0) && got->t_a <= got->t_b && got->t_b <= T(1))) return "the part is not one of the segment";
-    if (got->t_a == T(0) && got->segment.a != segment.a && !std::is_same_v<Solid, geo::Aabb<T>>)
-        return "an end changed";
+    if (got->t_a == T(0) && got->segment.a != segment.a && !std::is_same_v<Solid, geo::Aabb<T>>) return "an end changed";
     const exact::Rational half_ulp = exact::number(static_cast<double>(std::numeric_limits<T>::epsilon()) / 2.0);
     const auto around = [&](T t) {
         const exact::Rational slack = half_ulp * exact::number(t) + exact::number(std::numeric_limits<T>::denorm_min());
@@ -76,28 +75,25 @@ template <class T, class Solid>
     const exact::Rational off = exact::number(4.0 * static_cast<double>(std::numeric_limits<T>::epsilon())) *
                                     (exact::largest(line.origin) + exact::largest(line.direction)) +
                                 4 * exact::number(std::numeric_limits<T>::denorm_min());
-    if (exact::largest(line.at(exact::number(got->t_a)) - exact::vec(got->segment.a)) > off + by)
-        return "its start is not on the segment";
-    if (exact::largest(line.at(exact::number(got->t_b)) - exact::vec(got->segment.b)) > off + by)
-        return "its end is not on the segment";
+    if (exact::largest(line.at(exact::number(got->t_a)) - exact::vec(got->segment.a)) > off + by) return "its start is not on the segment";
+    if (exact::largest(line.at(exact::number(got->t_b)) - exact::vec(got->segment.b)) > off + by) return "its end is not on the segment";
     return "";
 }
 
 /// What is wrong with the corners left of a flat polygon: all are in the half-spaces and on the polygon to 4 ulp of the
 /// coordinates, and there are not too many.
 template <class T, class Solid>
-[[nodiscard]] std::string polygon_fault(std::span<const geo::Vec3<T>> polygon, const Solid& solid,
-                                        std::span<const geo::Vec3<T>> left, const exact::Rational& size) {
+[[nodiscard]] std::string polygon_fault(std::span<const geo::Vec3<T>> polygon, const Solid& solid, std::span<const geo::Vec3<T>> left,
+                                        const exact::Rational& size) {
     const exact::Figure<std::span<const geo::Vec3<T>>> figure(polygon);
     const exact::Rational by = exact::number(4.0 * static_cast<double>(std::numeric_limits<T>::epsilon())) * size +
-                               4 * exact::number(std::numeric_limits<T>::denorm_min());
+                               4 * exact::number(std::numeric_limits<T>::denorm_min()) + exact::number(kLostToUnderflow);
     for (const geo::Vec3<T>& corner : left) {
         const exact::Line point{exact::vec(corner), {0, 0, 0}};
         const exact::Range k = kept({0, 0}, point, solid, by);
         if (k.low > k.high) return "a corner is outside";
         const exact::Rational height = exact::dot(point.origin - figure.origin(), figure.normal);
-        if (height * height > 4 * by * by * exact::length_sq(figure.normal))
-            return "a corner is not in the polygon's plane";
+        if (height * height > 4 * by * by * exact::length_sq(figure.normal)) return "a corner is not in the polygon's plane";
         // Parts of polygons that are not convex stay joined along a plane, outside of them.
         if (polygon.size() == 3 && !figure.near_to(point.origin, 2 * by)) return "a corner is not on the triangle";
     }
@@ -108,8 +104,7 @@ template <class T>
 [[nodiscard]] exact::Rational size_of(const std::vector<geo::Plane<T>>& planes) {
     exact::Rational size = 0;
     for (const geo::Plane<T>& p : planes) {
-        size = std::max(
-            size, exact::magnitude(exact::number(p.offset)) / exact::sqrt_down(exact::length_sq(exact::vec(p.normal))));
+        size = std::max(size, exact::magnitude(exact::number(p.offset)) / exact::sqrt_down(exact::length_sq(exact::vec(p.normal))));
     }
     return size;
 }
@@ -129,12 +124,11 @@ template <class T, class Solid>
     if (!is_finite(segment.a) || !is_finite(segment.b)) return "";
     const exact::Vec a = exact::vec(segment.a);
     const exact::Vec b = exact::vec(segment.b);
-    exact::Rational reach =
-        exact::sqrt_up(exact::length_sq(b - a)) + exact::number(std::numeric_limits<T>::denorm_min());
+    exact::Rational reach = exact::sqrt_up(exact::length_sq(b - a)) + exact::number(std::numeric_limits<T>::denorm_min());
     if constexpr (std::is_same_v<Solid, geo::Obb<T>>) {
         reach = exact::reach(solid, a) + exact::reach(solid, b);
     }
-    const exact::Rational by = exact::number(16.0 * exact::kEps) * reach;
+    const exact::Rational by = exact::number(16.0 * exact::kEps) * reach + exact::number(kLostToUnderflow);
     const std::vector<geo::Vec3<T>> corners = draw.polygon();
     geo::PolygonClipper<T> clipper;
     std::optional<geo::ClippedSegment<T>> part;
