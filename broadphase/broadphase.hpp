@@ -34,10 +34,10 @@ struct BroadphaseSettings {
 /// What changed since the update before. A slot is the caller's stable name of a box; it comes alive when it is first listed as
 /// moved and is free again once it is listed as removed.
 struct ProxyChanges {
-    std::span<const FloatAabb> bounds;      ///< (n,) by slot; only those of moved slots are read
-    std::span<const ProxyFilter> filters;   ///< (n,) likewise
-    std::span<const std::uint32_t> moved;   ///< slots that are new, or whose box or filter changed; any order, repeats are harmless
-    std::span<const std::uint32_t> removed; ///< live slots that go, each once
+    std::span<const FloatAabb> bounds{};      ///< (n,) by slot; only those of moved slots are read
+    std::span<const ProxyFilter> filters{};   ///< (n,) likewise
+    std::span<const std::uint32_t> moved{};   ///< slots that are new, or whose box or filter changed; any order, repeats are harmless
+    std::span<const std::uint32_t> removed{}; ///< live slots that go, each once
 };
 
 enum class PairStatus : unsigned char {
