@@ -4,6 +4,8 @@
 #include <carom/broadphase/detail/pair_set.hpp>
 #include <carom/core/check.hpp>
 
+#include <hwy/cache_control.h>
+
 #include <algorithm>
 #include <vector>
 
@@ -156,14 +158,24 @@ void Broadphase::Impl::take_over(const ProxyChanges& changes) {
         table.alive[slot] = 0;
     }
     table.live_count -= removed.size();
-    for (const std::uint32_t slot : changes.moved) take_moved(changes, slot);
+    constexpr std::size_t kAhead = 12;  // slots may be anywhere in memory
+    for (std::size_t i = 0; i < changes.moved.size(); ++i) {
+        if (i + kAhead < changes.moved.size()) {
+            const std::uint32_t later = changes.moved[i + kAhead];
+            hwy::Prefetch(&changes.filters[later]);
+            hwy::Prefetch(&table.filters[later]);
+            hwy::Prefetch(&table.boxes[later]);
+            hwy::Prefetch(&table.previous[later]);
+        }
+        take_moved(changes, changes.moved[i]);
+    }
 }
 
 void Broadphase::Impl::drop_unwanted(Executor& executor) {
     if (all_agree() && settings.callback.wanted == nullptr) return;
     executor.parallel_for(pieces.count(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
-            pieces[k].keep_if([&](std::uint32_t a, std::uint32_t b) { return wanted({a, b}); });
+            pieces[k].keep_if([&](ProxyPair pair) { return wanted(pair); });
         }
     });
 }
@@ -174,10 +186,9 @@ bool Broadphase::Impl::find_begun(const detail::ChangeLists& lists, Executor& ex
     if (pieces.is_full()) return false;
     drop_unwanted(executor);
     const bool check_wanted = !all_agree() || settings.callback.wanted != nullptr;
-    const auto stays = [&](ProxyPair pair) {
-        return overlaps(table.boxes[pair.a], table.boxes[pair.b]) && (!check_wanted || wanted(pair));
-    };
-    return set.patch(pieces, changed, stays, settings.pair_limit);
+    const auto ask = [this](ProxyPair pair) { return wanted(pair); };
+    const FunctionRef<bool(ProxyPair)> asked(ask);
+    return set.patch(pieces, changed, {table.boxes, check_wanted ? &asked : nullptr}, settings.pair_limit);
 }
 
 void Broadphase::Impl::append_row(std::uint32_t a, std::vector<ProxyPair>& out) const {

@@ -13,7 +13,7 @@
 namespace carom::detail {
 namespace {
 
-constexpr std::size_t kEntriesAPiece = 512;
+constexpr std::size_t kCellsAPiece = 256;
 constexpr std::size_t kMoversAPiece = 64;
 constexpr std::size_t kMostLevels = 24;
 constexpr int kXyz[3] = {0, 1, 2};
@@ -93,8 +93,9 @@ void Grid::find_all(const ProxyTable& table, Executor& executor, PairPieces& out
     build(table, Slack::None);
     pieces_.clear();
     for (std::size_t k = 0; k < level_count_; ++k) {
-        for (std::size_t first = 0; first < levels_[k].end(); first += kEntriesAPiece) {
-            pieces_.push_back({k, first, std::min(first + kEntriesAPiece, levels_[k].end())});
+        const std::size_t cells = levels_[k].size() != 0 ? levels_[k].cells() : 0;
+        for (std::size_t first = 0; first < cells; first += kCellsAPiece) {
+            pieces_.push_back({k, first, std::min(first + kCellsAPiece, cells)});
         }
     }
     out.begin(pieces_.size(), out.limit());
@@ -119,7 +120,13 @@ void Grid::take_over(const ProxyTable& table, const ChangeLists& changes) {
         level_[slot] = static_cast<unsigned char>(level_of(table.boxes[slot]));
         levels_[level_[slot]].insert(table, slot, place_);
     };
-    for (const std::uint32_t slot : changes.moved) {
+    constexpr std::size_t kAhead = 8;
+    for (std::size_t i = 0; i < changes.moved.size(); ++i) {
+        const std::uint32_t slot = changes.moved[i];
+        if (i + kAhead < changes.moved.size()) {
+            const std::uint32_t later = changes.moved[i + kAhead];
+            levels_[level_[later]].prefetch(place_[later]);
+        }
         if (level_of(table.boxes[slot]) == level_[slot]) {
             levels_[level_[slot]].move(table, slot, place_);
         } else {

@@ -74,8 +74,8 @@ HWY_INLINE void scan_run(const GridLevel& g, std::size_t first, std::size_t last
     }
 }
 
-template <bool hashed>
-void all_in_level(const GridLevel& g, std::size_t begin, std::size_t end, PairBuffer& out) {
+// Of hashed cells box by box: the cells of the table that a box needs are nowhere near each other.
+void all_in_hashed_level(const GridLevel& g, std::size_t begin, std::size_t end, PairBuffer& out) {
     const Entries& e = g.entries;
     for (std::size_t i = begin; i < end && !out.is_full(); ++i) {
         float lower[3], upper[3];
@@ -89,21 +89,76 @@ void all_in_level(const GridLevel& g, std::size_t begin, std::size_t end, PairBu
         const std::uint32_t z = g.map.coordinate(2, static_cast<double>(lower[2]));
         // The rest of its own cell, the cells after it in its row, the rows after it in its layer, the layers after that.
         const std::uint32_t own = g.map.cell(x, y, z);
-        if constexpr (hashed) {
-            scan_run<hashed>(g, i + 1, std::size_t{g.begin[own]} + g.used[own], CellMap::code(x, y, z), box, tag, out);
-            if (x < r.last[0]) {
-                for_runs_of_row(g, x + 1, r.last[0], y, z, [&](std::size_t first, std::size_t last, std::uint32_t code) {
-                    scan_run<hashed>(g, first, last, code, box, tag, out);
-                });
-            }
-        } else {
-            const std::uint32_t last = own + (r.last[0] - x);
-            scan_run<hashed>(g, i + 1, std::size_t{g.begin[last]} + g.used[last], 0, box, tag, out);
-        }
+        const auto run = [&](std::size_t first, std::size_t last, std::uint32_t code) {
+            scan_run<true>(g, first, last, code, box, tag, out);
+        };
+        run(i + 1, std::size_t{g.begin[own]} + g.used[own], CellMap::code(x, y, z));
+        if (x < r.last[0]) for_runs_of_row(g, x + 1, r.last[0], y, z, run);
         for (std::uint32_t layer = z; layer <= r.last[2]; ++layer) {
             for (std::uint32_t row = layer == z ? y + 1 : r.first[1]; row <= r.last[1]; ++row) {
-                for_runs_of_row(g, r.first[0], r.last[0], row, layer, [&](std::size_t first, std::size_t last, std::uint32_t code) {
-                    scan_run<hashed>(g, first, last, code, box, tag, out);
+                for_runs_of_row(g, r.first[0], r.last[0], row, layer, run);
+            }
+        }
+    }
+}
+
+// Pairs of the boxes [first, last) of one cell with the entries of a run: each vector of the run is loaded once for all of them.
+// Entry j counts for box i only if j > i, which is so at once but where the run begins with the cell itself.
+template <bool own>
+HWY_INLINE void scan_cell(const EntryView e, std::size_t first, std::size_t last, std::size_t run_first, std::size_t run_last,
+                          PairBuffer& out) {
+    for (std::size_t j = run_first; j < run_last; j += kLanes) {
+        const Floats lower0 = load_unaligned(e.lower0 + j), upper0 = load_unaligned(e.upper0 + j);
+        const Floats lower1 = load_unaligned(e.lower1 + j), upper1 = load_unaligned(e.upper1 + j);
+        const Floats lower2 = load_unaligned(e.lower2 + j), upper2 = load_unaligned(e.upper2 + j);
+        const Ints tags = load_unaligned(e.tag + j), index{static_cast<std::int32_t>(kIndexMask)};
+        const Mask there = first_lanes(static_cast<int>(run_last - j < kLanes ? run_last - j : kLanes));
+        const Ints places = lane_numbers() + Ints{static_cast<std::int32_t>(j)};
+        const std::size_t end = own && last > j + kLanes ? j + kLanes : last;
+        out.make_room((end - first) * kLanes);
+        std::int32_t *to_first = out.next_first(), *to_second = out.next_second();
+        std::size_t found = 0;
+        for (std::size_t i = first; i < end; ++i) {
+            Mask hit = there & (lower0 <= Floats{e.upper0[i]}) & (upper0 >= Floats{e.lower0[i]}) & (lower1 <= Floats{e.upper1[i]}) &
+                       (upper1 >= Floats{e.lower1[i]}) & (lower2 <= Floats{e.upper2[i]}) & (upper2 >= Floats{e.lower2[i]});
+            if constexpr (own) hit = hit & (places > Ints{static_cast<std::int32_t>(i)});
+            if (none(hit)) continue;
+            const Ints mine{e.tag[i]};
+            hit = hit & ((tags & mine & Ints{static_cast<std::int32_t>(kImmovable)}) == Ints{0});
+            store_unaligned(mine & index, to_first + found);
+            found += compress_store(tags & index, hit, to_second + found);
+        }
+        out.added(found);
+    }
+}
+
+// Cell by cell: the boxes of a cell look at the same runs.
+void all_in_table(const GridLevel& g, std::size_t begin, std::size_t end, PairBuffer& out) {
+    const EntryView e(g.entries);
+    for (std::size_t cell = begin; cell < end && !out.is_full(); ++cell) {
+        const std::size_t first = g.begin[cell], last = first + g.used[cell];
+        if (first == last) continue;
+        float lower[3], upper[3];
+        read_box(g.entries, first, lower, upper);
+        for (std::size_t i = first + 1; i < last; ++i) {
+            lower[0] = e.lower0[i] < lower[0] ? e.lower0[i] : lower[0];
+            lower[1] = e.lower1[i] < lower[1] ? e.lower1[i] : lower[1];
+            lower[2] = e.lower2[i] < lower[2] ? e.lower2[i] : lower[2];
+            upper[0] = e.upper0[i] > upper[0] ? e.upper0[i] : upper[0];
+            upper[1] = e.upper1[i] > upper[1] ? e.upper1[i] : upper[1];
+            upper[2] = e.upper2[i] > upper[2] ? e.upper2[i] : upper[2];
+        }
+        const CellRange r = cells_near(g.map, lower, upper);
+        const std::uint32_t x = static_cast<std::uint32_t>(cell) % g.map.count[0];
+        const std::uint32_t y = static_cast<std::uint32_t>(cell) / g.map.count[0] % g.map.count[1];
+        const std::uint32_t z = static_cast<std::uint32_t>(cell) / g.map.count[0] / g.map.count[1];
+        // The cell and those after it in its row, the rows after it in its layer, the layers after that.
+        const std::size_t row_last = cell + (r.last[0] - x);
+        scan_cell<true>(e, first, last, first, std::size_t{g.begin[row_last]} + g.used[row_last], out);
+        for (std::uint32_t layer = z; layer <= r.last[2]; ++layer) {
+            for (std::uint32_t row = layer == z ? y + 1 : r.first[1]; row <= r.last[1]; ++row) {
+                for_runs_of_row(g, r.first[0], r.last[0], row, layer, [&](std::size_t run_first, std::size_t run_last, std::uint32_t) {
+                    scan_cell<false>(e, first, last, run_first, run_last, out);
                 });
             }
         }
@@ -120,14 +175,14 @@ HWY_INLINE void for_runs_of_range(const GridLevel& g, const CellRange& r, F run)
 
 void all_of_level(const GridLevel& g, std::size_t begin, std::size_t end, PairBuffer& out) {
     if (g.map.hashed) {
-        all_in_level<true>(g, begin, end, out);
+        all_in_hashed_level(g, g.begin[begin], g.begin[end], out);
     } else {
-        all_in_level<false>(g, begin, end, out);
+        all_in_table(g, begin, end, out);
     }
 }
 
 void all_between(const GridLevel& finer, std::size_t begin, std::size_t end, const GridLevel& g, PairBuffer& out) {
-    for (std::size_t i = begin; i < end && !out.is_full(); ++i) {
+    for (std::size_t i = finer.begin[begin]; i < finer.begin[end] && !out.is_full(); ++i) {
         float lower_here[3], upper_here[3], lower[3], upper[3];
         read_box(finer.entries, i, lower_here, upper_here);
         if (!(lower_here[0] <= upper_here[0])) continue;

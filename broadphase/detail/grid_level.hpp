@@ -72,6 +72,8 @@ public:
     void remove(std::uint32_t slot, std::vector<std::uint32_t>& place);
     /// The box is no longer what it was.
     void move(const ProxyTable& table, std::uint32_t slot, std::vector<std::uint32_t>& place);
+    /// Asks for the memory of an entry that will be changed soon.
+    void prefetch(std::size_t at) const noexcept;
     /// Marks a box as moved in this update, or takes the mark off.
     void mark(std::size_t at, bool moved) noexcept {
         const Tag tag = static_cast<Tag>(entries.tag[at]);
@@ -82,6 +84,7 @@ public:
     bool visit_near(const ProxyTable& table, const FloatAabb& box, FunctionRef<bool(std::uint32_t)> visit) const;
 
     [[nodiscard]] std::size_t size() const noexcept { return size_; }
+    [[nodiscard]] std::size_t cells() const noexcept { return used.size(); }
     [[nodiscard]] std::size_t end() const noexcept { return stray_end; }
     [[nodiscard]] std::size_t strays() const noexcept { return stray_end - stray_begin; }
     [[nodiscard]] std::size_t memory() const noexcept;
@@ -111,10 +114,10 @@ private:
     std::vector<std::uint32_t> order_;     // places in that list, cell by cell
 };
 
-/// Pairs of entries [first, last) with later ones of the level, which was just built; each once.
+/// Pairs of the boxes in cells [first, last) with each other and those in later cells of the level, which was just built; each once.
 void find_all_in_level(const GridLevel& level, std::size_t first, std::size_t last, PairBuffer& out);
 
-/// Pairs of entries [first, last) of `finer` with those of a level of longer boxes.
+/// Pairs of the boxes in cells [first, last) of `finer` with those of a level of longer boxes.
 void find_all_between(const GridLevel& finer, std::size_t first, std::size_t last, const GridLevel& coarser, PairBuffer& out);
 
 /// As find_begun, of the level's entries. The movers' axes are x, y, z.

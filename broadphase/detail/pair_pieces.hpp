@@ -3,6 +3,8 @@
 //   pieces.begin(count, limit); executor.parallel_for(count, 1, [&] { find(..., pieces[k]); });
 #pragma once
 
+#include <carom/broadphase/proxy.hpp>
+
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -10,7 +12,7 @@
 
 namespace carom::detail {
 
-/// Pairs as found, the smaller and the larger slot in arrays of their own, with room to write ahead.
+/// Pairs as found, each one's slots in arrays of their own and in either order, with room to write ahead.
 class PairBuffer {
 public:
     /// Starts anew. Once more than `limit` pairs are in, is_full() says so, and whoever adds them should stop.
@@ -20,39 +22,41 @@ public:
     }
     [[nodiscard]] bool is_full() const noexcept { return count_ > limit_; }
     [[nodiscard]] std::size_t size() const noexcept { return count_; }
-    [[nodiscard]] std::uint32_t lesser(std::size_t i) const noexcept { return static_cast<std::uint32_t>(lesser_[i]); }
-    [[nodiscard]] std::uint32_t greater(std::size_t i) const noexcept { return static_cast<std::uint32_t>(greater_[i]); }
+    [[nodiscard]] ProxyPair operator[](std::size_t i) const noexcept {
+        const auto a = static_cast<std::uint32_t>(first_[i]), b = static_cast<std::uint32_t>(second_[i]);
+        return a < b ? ProxyPair{a, b} : ProxyPair{b, a};
+    }
 
     /// Where the kernel writes next, once there is room.
     void make_room(std::size_t count) {
-        if (lesser_.size() - count_ < count) grow(count);
+        if (first_.size() - count_ < count) grow(count);
     }
-    [[nodiscard]] std::int32_t* next_lesser() noexcept { return lesser_.data() + count_; }
-    [[nodiscard]] std::int32_t* next_greater() noexcept { return greater_.data() + count_; }
+    [[nodiscard]] std::int32_t* next_first() noexcept { return first_.data() + count_; }
+    [[nodiscard]] std::int32_t* next_second() noexcept { return second_.data() + count_; }
     void added(std::size_t count) noexcept { count_ += count; }
 
     void add(std::uint32_t a, std::uint32_t b) {
         make_room(1);
-        lesser_[count_] = static_cast<std::int32_t>(a < b ? a : b);
-        greater_[count_++] = static_cast<std::int32_t>(a < b ? b : a);
+        first_[count_] = static_cast<std::int32_t>(a);
+        second_[count_++] = static_cast<std::int32_t>(b);
     }
 
-    /// Keeps the pairs for which `keep(a, b)` holds, in order.
+    /// Keeps the pairs for which `keep(pair)` holds, in order.
     template <class F>
     void keep_if(F keep) {
         std::size_t kept = 0;
         for (std::size_t i = 0; i < count_; ++i) {
-            if (!keep(lesser(i), greater(i))) continue;
-            lesser_[kept] = lesser_[i];
-            greater_[kept++] = greater_[i];
+            if (!keep((*this)[i])) continue;
+            first_[kept] = first_[i];
+            second_[kept++] = second_[i];
         }
         count_ = kept;
     }
-    [[nodiscard]] std::size_t memory() const noexcept { return 2 * sizeof(std::int32_t) * lesser_.capacity(); }
+    [[nodiscard]] std::size_t memory() const noexcept { return 2 * sizeof(std::int32_t) * first_.capacity(); }
 
 private:
     void grow(std::size_t count);
-    std::vector<std::int32_t> lesser_, greater_;
+    std::vector<std::int32_t> first_, second_;
     std::size_t count_ = 0;
     std::size_t limit_ = 0;
 };

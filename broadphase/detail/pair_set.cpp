@@ -1,35 +1,18 @@
 #include <carom/broadphase/detail/pair_set.hpp>
 
+#include <hwy/cache_control.h>
+
 #include <algorithm>
-#include <array>
 #include <utility>
 
 namespace carom::detail {
 namespace {
 
-constexpr std::size_t kMostBuckets = 2048;
-constexpr unsigned kLeastShift = 5;      // rows of a bucket, as a power of two
-constexpr std::size_t kMostRows = 1024;  // of a bucket that is sorted in one go
-constexpr std::size_t kShortRow = 24;    // up to this insertion is fastest
+constexpr std::size_t kMostBuckets = 256;  // streams that are written at once
 
 template <class T>
 void grow(std::vector<T>& v, std::size_t size) {
     if (v.size() < size) v.resize(size + size / 4);
-}
-
-// Sorts one row by b. Keys are distinct, so the result does not depend on the method.
-void sort_row(ProxyPair* first, ProxyPair* last) noexcept {
-    if (static_cast<std::size_t>(last - first) > kShortRow) {
-        std::make_heap(first, last);
-        std::sort_heap(first, last);
-        return;
-    }
-    for (ProxyPair* p = first + 1; p < last; ++p) {
-        const ProxyPair pair = *p;
-        ProxyPair* place = p;
-        for (; place != first && place[-1].b > pair.b; --place) *place = place[-1];
-        *place = pair;
-    }
 }
 
 void sort_run(std::vector<std::uint64_t>& keys, std::vector<std::uint32_t>& payload, RadixScratch& scratch) {
@@ -82,13 +65,13 @@ void PairSet::keep() noexcept {
 
 // Pairs are dealt out to buckets of neighbouring rows, which then fit the cache: there each is sorted by row and then by b.
 void PairSet::replace(const PairPieces& found, std::size_t slots, Executor& executor) {
-    unsigned shift = kLeastShift;
+    unsigned shift = 0;
     while ((slots >> shift) + 1 > kMostBuckets) ++shift;
     const std::size_t buckets = (slots >> shift) + 1;
     bucket_.assign(buckets + 1, 0);
     for (std::size_t k = 0; k < found.count(); ++k) {
         const PairBuffer& piece = found[k];
-        for (std::size_t i = 0; i < piece.size(); ++i) ++bucket_[piece.lesser(i) >> shift];
+        for (std::size_t i = 0; i < piece.size(); ++i) ++bucket_[piece[i].a >> shift];
     }
     std::uint32_t total = 0;
     for (std::uint32_t& start : bucket_) total += std::exchange(start, total);
@@ -97,47 +80,33 @@ void PairSet::replace(const PairPieces& found, std::size_t slots, Executor& exec
     previous_count_ = std::exchange(count_, total);
     grow(pairs_, total);
     grow(unsorted_, total);
+    grow(row_values_, total + kRowPadding);
     for (std::size_t k = 0; k < found.count(); ++k) {
         const PairBuffer& piece = found[k];
         for (std::size_t i = 0; i < piece.size(); ++i) {
-            unsorted_[next_in_bucket_[piece.lesser(i) >> shift]++] = {piece.lesser(i), piece.greater(i)};
+            const ProxyPair pair = piece[i];
+            unsorted_[next_in_bucket_[pair.a >> shift]++] = pair;
         }
     }
-    sort_rows(buckets, shift, executor);
+    const std::size_t rows = std::size_t{1} << shift;
+    row_ends_.resize(buckets * rows);
+    executor.parallel_for(buckets, 8, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            const std::span<const ProxyPair> bucket(unsorted_.data() + bucket_[k], bucket_[k + 1] - bucket_[k]);
+            sort_bucket(bucket, static_cast<std::uint32_t>(k << shift), bucket_[k], {row_ends_.data() + k * rows, rows});
+        }
+    });
     compare_with_before();
 }
 
-void PairSet::sort_rows(std::size_t buckets, unsigned shift, Executor& executor) {
-    constexpr std::size_t kGrain = 16;
-    executor.parallel_for(buckets, kGrain, [&](std::size_t first_bucket, std::size_t last_bucket) {
-        std::array<std::uint32_t, kMostRows + 1> start;
-        for (std::size_t k = first_bucket; k < last_bucket; ++k) {
-            const std::size_t begin = bucket_[k], end = bucket_[k + 1];
-            // Buckets of more rows than that are sorted in several goes over the same pairs.
-            for (std::size_t low = 0; low < (std::size_t{1} << shift); low += kMostRows) {
-                const std::size_t rows = std::min(std::size_t{1} << shift, kMostRows);
-                const auto first_row = static_cast<std::uint32_t>((k << shift) + low);
-                std::fill(start.begin(), start.begin() + static_cast<std::ptrdiff_t>(rows) + 1, 0u);
-                std::uint32_t before = 0;
-                for (std::size_t i = begin; i < end; ++i) {
-                    const std::uint32_t row = unsorted_[i].a - first_row;
-                    if (row < rows) ++start[row];
-                    before += unsorted_[i].a < first_row;
-                }
-                std::uint32_t at = static_cast<std::uint32_t>(begin) + before;
-                for (std::size_t row = 0; row < rows; ++row) at += std::exchange(start[row], at);
-                for (std::size_t i = begin; i < end; ++i) {
-                    const std::uint32_t row = unsorted_[i].a - first_row;
-                    if (row < rows) pairs_[start[row]++] = unsorted_[i];
-                }
-                std::uint32_t from = static_cast<std::uint32_t>(begin) + before;
-                for (std::size_t row = 0; row < rows; ++row) {
-                    sort_row(pairs_.data() + from, pairs_.data() + start[row]);
-                    from = start[row];
-                }
-            }
-        }
-    });
+void PairSet::sort_bucket(std::span<const ProxyPair> bucket, std::uint32_t first_row, std::uint32_t start,
+                          std::span<std::uint32_t> ends) {
+    std::fill(ends.begin(), ends.end(), 0u);
+    for (const ProxyPair& pair : bucket) ++ends[pair.a - first_row];
+    std::uint32_t at = start;
+    for (std::uint32_t& end : ends) at += std::exchange(end, at);
+    for (const ProxyPair& pair : bucket) row_values_[ends[pair.a - first_row]++] = pair.b;
+    sort_rows(row_values_.data(), start, first_row, ends, pairs_.data());
 }
 
 void PairSet::replace(std::span<const ProxyPair> sorted) {
@@ -160,25 +129,34 @@ void PairSet::compare_with_before() {
     begun_store_.clear();
     std::size_t i = 0, j = 0;
     while (i < before_count && j < count_) {
-        const std::uint64_t old_key = key_of(before[i]), new_key = key_of(pairs_[j]);
-        if (old_key < new_key) ended_.push_back(before[i]);
-        if (new_key < old_key) begun_store_.push_back(pairs_[j]);
-        i += old_key <= new_key;
-        j += new_key <= old_key;
+        if (before[i] == pairs_[j]) {
+            ++i;
+            ++j;
+        } else if (before[i] < pairs_[j]) {
+            ended_.push_back(before[i++]);
+        } else {
+            begun_store_.push_back(pairs_[j++]);
+        }
     }
     ended_.insert(ended_.end(), before + i, before + before_count);
     begun_store_.insert(begun_store_.end(), pairs_.data() + j, pairs_.data() + count_);
     begun_ = begun_store_;
 }
 
-void PairSet::list_ended(const SlotBits& changed, FunctionRef<bool(ProxyPair)> stays) {
+void PairSet::list_ended(const SlotBits& changed, const Keep& keep) {
+    constexpr std::size_t kAhead = 12;  // boxes are read all over memory
     grow(touched_, count_ + 16);
     const std::size_t touched = find_touched(pairs(), changed, touched_.data());
     ended_.clear();
     ended_places_.clear();
     for (std::size_t i = 0; i < touched; ++i) {
+        if (i + kAhead < touched) {
+            const ProxyPair later = pairs_[touched_[i + kAhead]];
+            hwy::Prefetch(&keep.boxes[later.a]);
+            hwy::Prefetch(&keep.boxes[later.b]);
+        }
         const ProxyPair pair = pairs_[touched_[i]];
-        if (stays(pair)) continue;
+        if (keep(pair)) continue;
         ended_places_.push_back(touched_[i]);
         ended_.push_back(pair);
     }
@@ -189,15 +167,14 @@ void PairSet::sort_candidates(const PairPieces& found) {
     for (std::size_t k = 0; k < found.count(); ++k) {
         const PairBuffer& piece = found[k];
         for (std::size_t i = 0; i < piece.size(); ++i) {
-            candidates_.push_back(key_of({piece.lesser(i), piece.greater(i)}));
+            candidates_.push_back(key_of(piece[i]));
         }
     }
     sort_run(candidates_, payload_, scratch_);
     candidates_.erase(std::unique(candidates_.begin(), candidates_.end()), candidates_.end());
 }
 
-bool PairSet::patch(const PairPieces& found, const SlotBits& changed, FunctionRef<bool(ProxyPair)> stays,
-                    std::size_t limit) {
+bool PairSet::patch(const PairPieces& found, const SlotBits& changed, const Keep& keep_pair, std::size_t limit) {
     sort_candidates(found);
     if (count_ + candidates_.size() > limit) {
         // Some of these may be in the list already, and some of the list may go: only the exact count decides.
@@ -208,11 +185,11 @@ bool PairSet::patch(const PairPieces& found, const SlotBits& changed, FunctionRe
         }
         const std::size_t ended = static_cast<std::size_t>(
             std::count_if(pairs_.begin(), pairs_.begin() + static_cast<std::ptrdiff_t>(count_), [&](const ProxyPair& pair) {
-                return (changed.test(pair.a) || changed.test(pair.b)) && !stays(pair);
+                return (changed.test(pair.a) || changed.test(pair.b)) && !keep_pair(pair);
             }));
         if (count_ + begun - ended > limit) return false;
     }
-    list_ended(changed, stays);
+    list_ended(changed, keep_pair);
     begun_store_.clear();
     grow(next_, count_ + candidates_.size());
     ProxyPair* out = next_.data();
@@ -245,7 +222,7 @@ bool PairSet::patch(const PairPieces& found, const SlotBits& changed, FunctionRe
 std::size_t PairSet::memory() const noexcept {
     return sizeof(ProxyPair) * (pairs_.capacity() + next_.capacity() + unsorted_.capacity() + begun_store_.capacity() +
                                 ended_.capacity()) +
-           sizeof(std::uint32_t) * (bucket_.capacity() + next_in_bucket_.capacity() + touched_.capacity() +
+           sizeof(std::uint32_t) * (row_values_.capacity() + row_ends_.capacity() + bucket_.capacity() + next_in_bucket_.capacity() + touched_.capacity() +
                                     ended_places_.capacity() + payload_.capacity() + scratch_.payload.capacity()) +
            sizeof(std::uint64_t) * (candidates_.capacity() + scratch_.keys.capacity());
 }

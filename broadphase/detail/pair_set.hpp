@@ -54,16 +54,24 @@ public:
     /// The same with a list that is sorted already.
     void replace(std::span<const ProxyPair> sorted);
 
-    /// Pairs with a changed slot stay only if `stays` says so; the pairs in the pieces, in any order and some more than once or there
+    /// What decides whether a pair with a changed slot stays: its boxes overlap, and `wanted`, if there is one, says yes.
+    struct Keep {
+        std::span<const FloatAabb> boxes;
+        const FunctionRef<bool(ProxyPair)>* wanted = nullptr;
+        [[nodiscard]] bool operator()(ProxyPair pair) const {
+            return overlaps(boxes[pair.a], boxes[pair.b]) && (wanted == nullptr || (*wanted)(pair));
+        }
+    };
+    /// Pairs with a changed slot stay only if `keep` says so; the pairs in the pieces, in any order and some more than once or there
     /// already, are added. @return false where that would be more than `limit` pairs: then nothing changed.
-    bool patch(const PairPieces& found, const SlotBits& changed, FunctionRef<bool(ProxyPair)> stays, std::size_t limit);
+    bool patch(const PairPieces& found, const SlotBits& changed, const Keep& keep, std::size_t limit);
 
     [[nodiscard]] std::size_t memory() const noexcept;
 
 private:
-    void sort_rows(std::size_t buckets, unsigned shift, Executor& executor);
+    void sort_bucket(std::span<const ProxyPair> bucket, std::uint32_t first_row, std::uint32_t start, std::span<std::uint32_t> ends);
     void compare_with_before();
-    void list_ended(const SlotBits& changed, FunctionRef<bool(ProxyPair)> stays);
+    void list_ended(const SlotBits& changed, const Keep& keep);
     void sort_candidates(const PairPieces& found);
 
     std::vector<ProxyPair> pairs_, next_;  // grown, never shrunk: the first count_ of pairs_ hold
@@ -72,6 +80,7 @@ private:
     std::size_t previous_count_ = 0;       // of next_, while the two lists are compared
     std::span<const ProxyPair> begun_;
     std::vector<ProxyPair> begun_store_, ended_;
+    std::vector<std::uint32_t> row_values_, row_ends_;
     std::vector<std::uint32_t> bucket_;                   // where each bucket of rows starts
     std::vector<std::uint32_t> next_in_bucket_;
     std::vector<std::uint32_t> touched_, ended_places_;   // places in pairs_
@@ -83,5 +92,13 @@ private:
 /// Lists the places of the pairs of which a slot is changed, ascending. `out` has room for pairs.size() + 16.
 /// @return how many.
 std::size_t find_touched(std::span<const ProxyPair> pairs, const SlotBits& changed, std::uint32_t* out);
+
+/// Rows are read up to this far beyond their end.
+inline constexpr std::size_t kRowPadding = 16;
+
+/// Sorts rows: row k has the values from where row k-1 ends (the first: from `start`) up to ends[k]; pairs (first_row + k, value)
+/// go to the same places of `out`.
+void sort_rows(const std::uint32_t* values, std::uint32_t start, std::uint32_t first_row, std::span<const std::uint32_t> ends,
+               ProxyPair* out);
 
 }  // namespace carom::detail

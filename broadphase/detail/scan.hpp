@@ -22,10 +22,8 @@ using namespace carom::HWY_NAMESPACE;
 // Adds the pairs of `mine` with the lanes of `hit`, without a branch on how many there are.
 HWY_INLINE void add_pairs(Ints mine, Ints others, Mask hit, PairBuffer& out) {
     out.make_room(kLanes);
-    const Mask before = mine < others;
-    const std::size_t count = compress_store(select(before, mine, others), hit, out.next_lesser());
-    compress_store(select(before, others, mine), hit, out.next_greater());
-    out.added(count);
+    store_unaligned(mine, out.next_first());
+    out.added(compress_store(others, hit, out.next_second()));
 }
 
 // One box in every lane.
@@ -35,21 +33,30 @@ struct WideBox {
         : lower0(lower[0]), lower1(lower[1]), lower2(lower[2]), upper0(upper[0]), upper1(upper[1]), upper2(upper[2]) {}
 };
 
+// Where the entries' arrays are: in registers, as the compiler must think that stores of pairs could change the vectors.
+struct EntryView {
+    const float *lower0, *lower1, *lower2, *upper0, *upper1, *upper2;
+    const std::int32_t* tag;
+    HWY_INLINE EntryView(const Entries& e)
+        : lower0(e.lower[0].data()), lower1(e.lower[1].data()), lower2(e.lower[2].data()), upper0(e.upper[0].data()),
+          upper1(e.upper[1].data()), upper2(e.upper[2].data()), tag(e.tag.data()) {}
+};
+
 // Entries j .. j + kLanes - 1 that overlap the box.
-HWY_INLINE Mask overlapping(const Entries& e, std::size_t j, const WideBox& box) {
-    return (load_unaligned(e.lower[0].data() + j) <= box.upper0) & (load_unaligned(e.upper[0].data() + j) >= box.lower0) &
-           (load_unaligned(e.lower[1].data() + j) <= box.upper1) & (load_unaligned(e.upper[1].data() + j) >= box.lower1) &
-           (load_unaligned(e.lower[2].data() + j) <= box.upper2) & (load_unaligned(e.upper[2].data() + j) >= box.lower2);
+HWY_INLINE Mask overlapping(const EntryView& e, std::size_t j, const WideBox& box) {
+    return (load_unaligned(e.lower0 + j) <= box.upper0) & (load_unaligned(e.upper0 + j) >= box.lower0) &
+           (load_unaligned(e.lower1 + j) <= box.upper1) & (load_unaligned(e.upper1 + j) >= box.lower1) &
+           (load_unaligned(e.lower2 + j) <= box.upper2) & (load_unaligned(e.upper2 + j) >= box.lower2);
 }
 
 // Pairs of the box with entries j in [first, last) where counts(j) is true. Reads up to kLanes - 1 entries beyond.
 template <class F>
-HWY_INLINE void scan(const Entries& e, std::size_t first, std::size_t last, const WideBox& box, Tag tag, PairBuffer& out, F counts) {
+HWY_INLINE void scan(const EntryView& e, std::size_t first, std::size_t last, const WideBox& box, Tag tag, PairBuffer& out, F counts) {
     for (std::size_t j = first; j < last; j += kLanes) {
         Mask hit = overlapping(e, j, box);
         if (none(hit)) continue;
         if (last - j < kLanes) hit = hit & first_lanes(static_cast<int>(last - j));
-        const Ints tags = load_unaligned(e.tag.data() + j), mine{static_cast<std::int32_t>(tag)};
+        const Ints tags = load_unaligned(e.tag + j), mine{static_cast<std::int32_t>(tag)};
         hit = hit & counts(j) & ((tags & mine & Ints{static_cast<std::int32_t>(kImmovable)}) == Ints{0});
         const Ints index{static_cast<std::int32_t>(kIndexMask)};
         add_pairs(mine & index, tags & index, hit, out);
@@ -64,12 +71,12 @@ struct MovedBox {
 };
 
 // Pairs that began with entries in [first, last), as find_begun tells.
-HWY_INLINE void scan_begun(const Entries& e, std::size_t first, std::size_t last, const MovedBox& box, PairBuffer& out) {
+HWY_INLINE void scan_begun(const EntryView& e, std::size_t first, std::size_t last, const MovedBox& box, PairBuffer& out) {
     for (std::size_t j = first; j < last; j += kLanes) {
         Mask hit = overlapping(e, j, box.now);
         if (none(hit)) continue;
         if (last - j < kLanes) hit = hit & first_lanes(static_cast<int>(last - j));
-        const Ints tags = load_unaligned(e.tag.data() + j), mine{static_cast<std::int32_t>(box.tag)};
+        const Ints tags = load_unaligned(e.tag + j), mine{static_cast<std::int32_t>(box.tag)};
         const Mask stood_still = (tags & Ints{static_cast<std::int32_t>(kMoved)}) == Ints{0};
         const Ints index{static_cast<std::int32_t>(kIndexMask)};
         // Of two that moved, each would find the other: the lesser does.
