@@ -1,5 +1,5 @@
 // round_outward against exact rational arithmetic: it holds the box, and the next smaller float would not.
-#include <carom/broadphase/broadphase.hpp>
+#include <carom/broadphase/proxy.hpp>
 #include <carom/core/random.hpp>
 
 #include <boost/multiprecision/cpp_int.hpp>
