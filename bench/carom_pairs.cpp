@@ -30,7 +30,7 @@ public:
 
 private:
     SerialExecutor executor_;
-    Broadphase broadphase_{{.method = BroadphaseMethod::UniformGrid}};
+    Broadphase broadphase_;
     std::vector<ProxyFilter> filters_;
     std::vector<std::uint32_t> all_;
     bool from_scratch_;

@@ -1,5 +1,6 @@
 #include <carom/broadphase/broadphase.hpp>
 
+#include <carom/broadphase/chooser.hpp>
 #include <carom/broadphase/detail/method.hpp>
 #include <carom/broadphase/detail/pair_set.hpp>
 #include <carom/core/check.hpp>
@@ -7,6 +8,7 @@
 #include <hwy/cache_control.h>
 
 #include <algorithm>
+#include <string>
 #include <vector>
 
 namespace carom {
@@ -16,6 +18,9 @@ using detail::kNowhere;
 namespace {
 
 constexpr std::size_t kMostSlots = (std::size_t{1} << 28) - 1;
+// The scene is looked at again after so many updates, or once its size has changed by a quarter.
+constexpr int kUpdatesACheck = 32;
+constexpr double kMemory = 0.9;  // of the moving share, from update to update
 constexpr std::size_t kMostPairs = std::size_t{1} << 31;
 
 bool is_ordered(const FloatAabb& box) noexcept {
@@ -61,6 +66,14 @@ struct Broadphase::Impl {
     /// Appends the pairs (a, b) of one `a`, sorted.
     void append_row(std::uint32_t a, std::vector<ProxyPair>& out) const;
 
+    /// Looks at the scene from time to time and takes another method where that suits it better.
+    void choose();
+    void use(BroadphaseMethod wanted) {
+        in_use = wanted;
+        method = make_method(wanted);
+        built = false;
+    }
+
     BroadphaseSettings settings;
     BroadphaseMethod in_use = BroadphaseMethod::BruteForce;
     std::unique_ptr<detail::Method> method;
@@ -73,7 +86,34 @@ struct Broadphase::Impl {
     detail::PairSet set;
     std::vector<ProxyPair> rows;
     PairUpdate result;
+    MethodChoice choice;       // why this method
+    SceneStatistics scene;     // when it was chosen, or last confirmed
+    double moving_share = 1.0;
+    int updates_since_check = 0;
+    std::size_t count_at_check = 0;
+    BroadphaseMethod wanted_before = BroadphaseMethod::Automatic;  // by the check before
 };
+
+void Broadphase::Impl::choose() {
+    if (settings.method != BroadphaseMethod::Automatic) return;
+    const auto live = static_cast<double>(table.live_count), then = static_cast<double>(count_at_check);
+    const bool first = count_at_check == 0;
+    if (!inserted.empty() && first) moving_share = 1.0;
+    else if (table.live_count != 0) moving_share = kMemory * moving_share + (1.0 - kMemory) * static_cast<double>(moved.size()) / live;
+    const bool grown = live > 1.25 * then || live < 0.75 * then;
+    if (++updates_since_check < kUpdatesACheck && !grown) return;
+    updates_since_check = 0;
+    count_at_check = table.live_count;
+    const SceneStatistics now = measure(table.boxes, table.alive, moving_share);
+    const MethodChoice best = choose_method(now, in_use);
+    // Two checks in a row must agree, but for scenes that have just changed size.
+    const bool agreed = grown || wanted_before == best.method;
+    wanted_before = best.method;
+    if (best.method != in_use && agreed) use(best.method);
+    if (best.method != in_use) return;
+    choice = best;
+    scene = now;
+}
 
 const char* to_string(BroadphaseMethod method) noexcept {
     switch (method) {
@@ -240,8 +280,8 @@ Broadphase::Broadphase(const BroadphaseSettings& settings) : impl_(std::make_uni
         impl_->settings.pair_limit = std::clamp(settings.pair_limit, std::size_t{1}, kMostPairs);
         report_error(ErrorCode::InvalidArgument, "pair_limit must be in 1..2^31");
     }
-    impl_->in_use = impl_->settings.method == BroadphaseMethod::Automatic ? BroadphaseMethod::BruteForce : impl_->settings.method;
-    impl_->method = make_method(impl_->in_use);
+    const bool automatic = impl_->settings.method == BroadphaseMethod::Automatic;
+    impl_->use(automatic ? BroadphaseMethod::BruteForce : impl_->settings.method);
 }
 Broadphase::~Broadphase() = default;
 Broadphase::Broadphase(Broadphase&&) noexcept = default;
@@ -252,6 +292,7 @@ const PairUpdate& Broadphase::update(const ProxyChanges& changes, Executor& exec
     const char* const fault = w.find_fault(changes);
     CAROM_REQUIRE(fault == nullptr, ErrorCode::InvalidArgument, fault, w.result);
     w.take_over(changes);
+    w.choose();
     const detail::ChangeLists lists{w.moved, w.inserted, w.removed};
     if (!w.built || w.result.status != PairStatus::Complete || w.method->prefers_all(w.table, lists)) {
         w.find_all(executor);
@@ -280,6 +321,7 @@ void Broadphase::clear() {
     w.table.live_count = 0;
     w.common_bits = ~std::uint64_t{0};
     w.set.clear();
+    w.count_at_check = 0;
     w.built = false;
     w.result = {};
 }
@@ -307,6 +349,10 @@ std::size_t Broadphase::memory() const noexcept {
            w.pieces.memory() + w.set.memory() + sizeof(ProxyPair) * w.rows.capacity() + w.method->memory();
 }
 
-const char* Broadphase::reason() const noexcept { return "asked for"; }
+std::string Broadphase::reason() const {
+    const Impl& w = *impl_;
+    if (w.settings.method != BroadphaseMethod::Automatic) return "asked for";
+    return w.count_at_check == 0 ? "chosen at the first update" : describe(w.choice, w.scene);
+}
 
 }  // namespace carom

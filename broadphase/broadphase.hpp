@@ -14,6 +14,7 @@
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 
 namespace carom {
 
@@ -85,7 +86,7 @@ public:
     /// The method in use: the one asked for, or the one chosen for the scene as it stands.
     [[nodiscard]] BroadphaseMethod method() const noexcept;
     /// Why this method, in one sentence.
-    [[nodiscard]] const char* reason() const noexcept;
+    [[nodiscard]] std::string reason() const;
 
     [[nodiscard]] std::size_t live_count() const noexcept;
     /// Memory in use by boxes, pairs and the method [bytes].

@@ -15,7 +15,8 @@ namespace {
 
 constexpr std::size_t kCellsAPiece = 256;
 constexpr std::size_t kMoversAPiece = 64;
-constexpr std::size_t kMostLevels = 24;
+constexpr std::size_t kMostLevels = 16;
+constexpr int kMiddleLevel = 7;  // has the boxes of middling size
 constexpr int kXyz[3] = {0, 1, 2};
 
 class Grid final : public Method {
@@ -52,7 +53,7 @@ private:
     std::size_t debt_ = 0;                      // entries read beyond need since the grid was built
 };
 
-// Twice the size is one level up.
+// Four times the size is one level up.
 int exponent_of(float edge) noexcept { return static_cast<int>((std::bit_cast<std::uint32_t>(edge) >> 23) & 255u); }
 
 float longest_edge(const FloatAabb& box) noexcept {
@@ -62,7 +63,7 @@ float longest_edge(const FloatAabb& box) noexcept {
 
 std::size_t Grid::level_of(const FloatAabb& box) const noexcept {
     if (!by_size_) return 0;
-    const int level = exponent_of(longest_edge(box)) - smallest_;
+    const int level = (exponent_of(longest_edge(box)) - smallest_) >> 1;
     return static_cast<std::size_t>(std::clamp(level, 0, static_cast<int>(kMostLevels) - 1));
 }
 
@@ -71,13 +72,13 @@ void Grid::build(const ProxyTable& table, Slack slack) {
     place_.resize(n);
     level_.resize(n);
     level_count_ = by_size_ ? kMostLevels : 1;
-    if (by_size_) {  // the middle of the sizes is at level 8
+    if (by_size_) {
         std::array<std::size_t, 256> count{};
         for (std::size_t slot = 0; slot < n; ++slot) count[static_cast<std::size_t>(exponent_of(longest_edge(table.boxes[slot])))] += table.alive[slot];
         std::size_t below = 0;
         int middle = 0;
         while (middle < 255 && 2 * (below + count[static_cast<std::size_t>(middle)]) < table.live_count) below += count[static_cast<std::size_t>(middle++)];
-        smallest_ = middle - 8;
+        smallest_ = middle - 1 - 2 * kMiddleLevel;  // the upper of its level's two exponents
     }
     for (std::size_t k = 0; k < level_count_; ++k) slots_[k].clear();
     for (std::size_t slot = 0; slot < n; ++slot) {
