@@ -102,65 +102,122 @@ void all_in_hashed_level(const GridLevel& g, std::size_t begin, std::size_t end,
     }
 }
 
-// Pairs of the boxes [first, last) of one cell with the entries of a run: each vector of the run is loaded once for all of them.
-// Entry j counts for box i only if j > i, which is so at once but where the run begins with the cell itself.
-template <bool own>
-HWY_INLINE void scan_cell(const EntryView e, std::size_t first, std::size_t last, std::size_t run_first, std::size_t run_last,
-                          PairBuffer& out) {
-    for (std::size_t j = run_first; j < run_last; j += kLanes) {
-        const Floats lower0 = load_unaligned(e.lower0 + j), upper0 = load_unaligned(e.upper0 + j);
-        const Floats lower1 = load_unaligned(e.lower1 + j), upper1 = load_unaligned(e.upper1 + j);
-        const Floats lower2 = load_unaligned(e.lower2 + j), upper2 = load_unaligned(e.upper2 + j);
-        const Ints tags = load_unaligned(e.tag + j), index{static_cast<std::int32_t>(kIndexMask)};
-        const Mask there = first_lanes(static_cast<int>(run_last - j < kLanes ? run_last - j : kLanes));
+// Pairs of one box with the vector of entries at j, those of `there`.
+struct RunVector {
+    Floats lower0, lower1, lower2, upper0, upper1, upper2;
+    Ints tags;
+    Mask there;
+    HWY_INLINE RunVector(const EntryView& e, std::size_t j, std::size_t last)
+        : lower0(load_unaligned(e.lower0 + j)), lower1(load_unaligned(e.lower1 + j)), lower2(load_unaligned(e.lower2 + j)),
+          upper0(load_unaligned(e.upper0 + j)), upper1(load_unaligned(e.upper1 + j)), upper2(load_unaligned(e.upper2 + j)),
+          tags(load_unaligned(e.tag + j)), there(first_lanes(static_cast<int>(last - j < kLanes ? last - j : kLanes))) {}
+    HWY_INLINE Mask overlapping(const EntryView& e, std::size_t i) const {
+        return there & (lower0 <= Floats{e.upper0[i]}) & (upper0 >= Floats{e.lower0[i]}) & (lower1 <= Floats{e.upper1[i]}) &
+               (upper1 >= Floats{e.lower1[i]}) & (lower2 <= Floats{e.upper2[i]}) & (upper2 >= Floats{e.lower2[i]});
+    }
+    HWY_INLINE std::size_t add(const EntryView& e, std::size_t i, Mask hit, std::int32_t* first, std::int32_t* second) const {
+        const Ints mine{e.tag[i]}, index{static_cast<std::int32_t>(kIndexMask)};
+        hit = hit & ((tags & mine & Ints{static_cast<std::int32_t>(kImmovable)}) == Ints{0});
+        store_unaligned(mine & index, first);
+        return compress_store(tags & index, hit, second);
+    }
+};
+
+// Pairs of boxes [first, last) of a cell with later entries up to `run_last`, where the cell's own row ends.
+HWY_INLINE void scan_own_row(const EntryView& e, std::size_t first, std::size_t last, std::size_t run_last, PairBuffer& out) {
+    for (std::size_t j = first; j < run_last; j += kLanes) {
+        const RunVector run(e, j, run_last);
         const Ints places = lane_numbers() + Ints{static_cast<std::int32_t>(j)};
-        const std::size_t end = own && last > j + kLanes ? j + kLanes : last;
-        out.make_room((end - first) * kLanes);
+        const std::size_t end = last > j + kLanes ? j + kLanes : last;
+        out.make_room((end - first + 1) * kLanes);
         std::int32_t *to_first = out.next_first(), *to_second = out.next_second();
         std::size_t found = 0;
         for (std::size_t i = first; i < end; ++i) {
-            Mask hit = there & (lower0 <= Floats{e.upper0[i]}) & (upper0 >= Floats{e.lower0[i]}) & (lower1 <= Floats{e.upper1[i]}) &
-                       (upper1 >= Floats{e.lower1[i]}) & (lower2 <= Floats{e.upper2[i]}) & (upper2 >= Floats{e.lower2[i]});
-            if constexpr (own) hit = hit & (places > Ints{static_cast<std::int32_t>(i)});
-            if (none(hit)) continue;
-            const Ints mine{e.tag[i]};
-            hit = hit & ((tags & mine & Ints{static_cast<std::int32_t>(kImmovable)}) == Ints{0});
-            store_unaligned(mine & index, to_first + found);
-            found += compress_store(tags & index, hit, to_second + found);
+            const Mask hit = run.overlapping(e, i) & (places > Ints{static_cast<std::int32_t>(i)});
+            if (any(hit)) found += run.add(e, i, hit, to_first + found, to_second + found);
         }
         out.added(found);
     }
 }
 
-// Cell by cell: the boxes of a cell look at the same runs.
+// Up to this many boxes of a cell are looked at together: as many as a word has bits.
+constexpr std::size_t kBatch = 64;
+
+// Which rows and layers each box of a batch reaches.
+struct BatchReach {
+    alignas(64) std::int32_t first_row[kBatch], last_row[kBatch], last_layer[kBatch];
+    HWY_INLINE void set(const CellMap& map, const EntryView& e, std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
+            first_row[i - first] = static_cast<std::int32_t>(map.reaching(1, e.lower1[i]));
+            last_row[i - first] = static_cast<std::int32_t>(map.coordinate(1, static_cast<double>(e.upper1[i])));
+            last_layer[i - first] = static_cast<std::int32_t>(map.coordinate(2, static_cast<double>(e.upper2[i])));
+        }
+    }
+    HWY_INLINE std::uint64_t reaching(std::size_t count, std::uint32_t row, std::uint32_t layer) const {
+        const Ints wanted_row{static_cast<std::int32_t>(row)}, wanted_layer{static_cast<std::int32_t>(layer)};
+        std::uint64_t boxes = 0;
+        for (std::size_t i = 0; i < count; i += kLanes) {
+            const Mask reaches = (load(first_row + i) <= wanted_row) & (load(last_row + i) >= wanted_row) &
+                                 (load(last_layer + i) >= wanted_layer);
+            boxes |= std::uint64_t{bits(reaches)} << i;
+        }
+        return count == kBatch ? boxes : boxes & ((std::uint64_t{1} << count) - 1);
+    }
+};
+
+// Pairs of those boxes from `first` on whose bits are set with the entries of a run. Each vector of the run is loaded once for all.
+HWY_INLINE void scan_other_row(const EntryView& e, std::size_t first, std::uint64_t boxes, std::size_t run_first, std::size_t run_last,
+                               PairBuffer& out) {
+    for (std::size_t j = run_first; j < run_last; j += kLanes) {
+        const RunVector run(e, j, run_last);
+        out.make_room((kBatch + 1) * kLanes);
+        std::int32_t *to_first = out.next_first(), *to_second = out.next_second();
+        std::size_t found = 0;
+        for (std::uint64_t left = boxes; left != 0; left &= left - 1) {
+            const std::size_t i = first + hwy::Num0BitsBelowLS1Bit_Nonzero64(left);
+            const Mask hit = run.overlapping(e, i);
+            if (any(hit)) found += run.add(e, i, hit, to_first + found, to_second + found);
+        }
+        out.added(found);
+    }
+}
+
+// A batch of boxes of a cell with what comes after it: the rest of its row, the rows after it in its layer, the layers after that.
+HWY_INLINE void all_of_batch(const GridLevel& g, const EntryView& e, std::size_t cell, std::size_t first, std::size_t last,
+                             PairBuffer& out) {
+    BatchReach reach;
+    reach.set(g.map, e, first, last);
+    float upper0 = e.upper0[first], lower0 = e.lower0[first];
+    std::int32_t first_row = reach.first_row[0], last_row = reach.last_row[0], last_layer = reach.last_layer[0];
+    for (std::size_t i = 1; i < last - first; ++i) {
+        upper0 = e.upper0[first + i] > upper0 ? e.upper0[first + i] : upper0;
+        lower0 = e.lower0[first + i] < lower0 ? e.lower0[first + i] : lower0;
+        first_row = reach.first_row[i] < first_row ? reach.first_row[i] : first_row;
+        last_row = reach.last_row[i] > last_row ? reach.last_row[i] : last_row;
+        last_layer = reach.last_layer[i] > last_layer ? reach.last_layer[i] : last_layer;
+    }
+    const std::uint32_t x0 = g.map.reaching(0, lower0), x1 = g.map.coordinate(0, static_cast<double>(upper0));
+    const auto place = static_cast<std::uint32_t>(cell);
+    const std::uint32_t x = place % g.map.count[0], y = place / g.map.count[0] % g.map.count[1],
+                        z = place / g.map.count[0] / g.map.count[1];
+    const std::size_t row_last = cell + (x1 - x);
+    scan_own_row(e, first, last, std::size_t{g.begin[row_last]} + g.used[row_last], out);
+    for (std::uint32_t layer = z; layer <= static_cast<std::uint32_t>(last_layer); ++layer) {
+        const std::uint32_t from = layer == z ? y + 1 : static_cast<std::uint32_t>(first_row);
+        for (std::uint32_t row = from; row <= static_cast<std::uint32_t>(last_row); ++row) {
+            const std::uint64_t boxes = reach.reaching(last - first, row, layer);
+            const std::uint32_t start = g.map.cell(0, row, layer), end = start + x1;
+            scan_other_row(e, first, boxes, g.begin[start + x0], std::size_t{g.begin[end]} + g.used[end], out);
+        }
+    }
+}
+
 void all_in_table(const GridLevel& g, std::size_t begin, std::size_t end, PairBuffer& out) {
     const EntryView e(g.entries);
-    for (std::size_t cell = begin; cell < end && !out.is_full(); ++cell) {
-        const std::size_t first = g.begin[cell], last = first + g.used[cell];
-        if (first == last) continue;
-        float lower[3], upper[3];
-        read_box(g.entries, first, lower, upper);
-        for (std::size_t i = first + 1; i < last; ++i) {
-            lower[0] = e.lower0[i] < lower[0] ? e.lower0[i] : lower[0];
-            lower[1] = e.lower1[i] < lower[1] ? e.lower1[i] : lower[1];
-            lower[2] = e.lower2[i] < lower[2] ? e.lower2[i] : lower[2];
-            upper[0] = e.upper0[i] > upper[0] ? e.upper0[i] : upper[0];
-            upper[1] = e.upper1[i] > upper[1] ? e.upper1[i] : upper[1];
-            upper[2] = e.upper2[i] > upper[2] ? e.upper2[i] : upper[2];
-        }
-        const CellRange r = cells_near(g.map, lower, upper);
-        const std::uint32_t x = static_cast<std::uint32_t>(cell) % g.map.count[0];
-        const std::uint32_t y = static_cast<std::uint32_t>(cell) / g.map.count[0] % g.map.count[1];
-        const std::uint32_t z = static_cast<std::uint32_t>(cell) / g.map.count[0] / g.map.count[1];
-        // The cell and those after it in its row, the rows after it in its layer, the layers after that.
-        const std::size_t row_last = cell + (r.last[0] - x);
-        scan_cell<true>(e, first, last, first, std::size_t{g.begin[row_last]} + g.used[row_last], out);
-        for (std::uint32_t layer = z; layer <= r.last[2]; ++layer) {
-            for (std::uint32_t row = layer == z ? y + 1 : r.first[1]; row <= r.last[1]; ++row) {
-                for_runs_of_row(g, r.first[0], r.last[0], row, layer, [&](std::size_t run_first, std::size_t run_last, std::uint32_t) {
-                    scan_cell<false>(e, first, last, run_first, run_last, out);
-                });
-            }
+    for (std::size_t cell = begin; cell < end; ++cell) {
+        const std::size_t last = std::size_t{g.begin[cell]} + g.used[cell];
+        for (std::size_t first = g.begin[cell]; first < last && !out.is_full(); first += kBatch) {
+            all_of_batch(g, e, cell, first, last - first < kBatch ? last : first + kBatch, out);
         }
     }
 }
