@@ -14,9 +14,7 @@ using Object = fcl::CollisionObject<double>;
 
 fcl::Vector3<double> to_fcl(const vec3& v) { return {double(v.x), double(v.y), double(v.z)}; }
 
-std::uint32_t slot_of(const Object& object) {
-    return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(object.getUserData()));
-}
+std::uint32_t slot_of(const Object& object) { return static_cast<std::uint32_t>(reinterpret_cast<std::uintptr_t>(object.getUserData())); }
 
 class FclPairs final : public PairFinder {
 public:

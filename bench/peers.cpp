@@ -9,8 +9,8 @@
 #include <carom/core/output_file.hpp>
 #include <carom/core/result.hpp>
 
-#include <CLI/CLI.hpp>
 #include <fmt/format.h>
+#include <CLI/CLI.hpp>
 #include <nlohmann/json.hpp>
 
 #include <algorithm>

@@ -36,12 +36,18 @@ bool is_finite_box(const FloatAabb& box) noexcept {
 
 std::unique_ptr<detail::Method> make_method(BroadphaseMethod method) {
     switch (method) {
-        case BroadphaseMethod::SweepAndPrune: return detail::make_sweep_and_prune();
-        case BroadphaseMethod::SortedAxes: return detail::make_sorted_axes();
-        case BroadphaseMethod::UniformGrid: return detail::make_uniform_grid();
-        case BroadphaseMethod::HierarchicalGrid: return detail::make_hierarchical_grid();
-        case BroadphaseMethod::DynamicTree: return detail::make_dynamic_tree();
-        default: return detail::make_brute_force();
+        case BroadphaseMethod::SweepAndPrune:
+            return detail::make_sweep_and_prune();
+        case BroadphaseMethod::SortedAxes:
+            return detail::make_sorted_axes();
+        case BroadphaseMethod::UniformGrid:
+            return detail::make_uniform_grid();
+        case BroadphaseMethod::HierarchicalGrid:
+            return detail::make_hierarchical_grid();
+        case BroadphaseMethod::DynamicTree:
+            return detail::make_dynamic_tree();
+        default:
+            return detail::make_brute_force();
     }
 }
 
@@ -77,7 +83,7 @@ struct Broadphase::Impl {
     BroadphaseSettings settings;
     BroadphaseMethod in_use = BroadphaseMethod::BruteForce;
     std::unique_ptr<detail::Method> method;
-    bool built = false;      // the method has every live box
+    bool built = false;  // the method has every live box
     detail::ProxyTable table;
     std::uint64_t common_bits = ~std::uint64_t{0};  // in every layer and every mask since the last clear
     std::vector<std::uint32_t> moved, inserted, removed;
@@ -86,8 +92,8 @@ struct Broadphase::Impl {
     detail::PairSet set;
     std::vector<ProxyPair> rows;
     PairUpdate result;
-    MethodChoice choice;       // why this method
-    SceneStatistics scene;     // when it was chosen, or last confirmed
+    MethodChoice choice;    // why this method
+    SceneStatistics scene;  // when it was chosen, or last confirmed
     double moving_share = 1.0;
     int updates_since_check = 0;
     std::size_t count_at_check = 0;
@@ -98,8 +104,10 @@ void Broadphase::Impl::choose() {
     if (settings.method != BroadphaseMethod::Automatic) return;
     const auto live = static_cast<double>(table.live_count), then = static_cast<double>(count_at_check);
     const bool first = count_at_check == 0;
-    if (!inserted.empty() && first) moving_share = 1.0;
-    else if (table.live_count != 0) moving_share = kMemory * moving_share + (1.0 - kMemory) * static_cast<double>(moved.size()) / live;
+    if (!inserted.empty() && first)
+        moving_share = 1.0;
+    else if (table.live_count != 0)
+        moving_share = kMemory * moving_share + (1.0 - kMemory) * static_cast<double>(moved.size()) / live;
     const bool grown = live > 1.25 * then || live < 0.75 * then;
     if (++updates_since_check < kUpdatesACheck && !grown) return;
     updates_since_check = 0;
@@ -117,13 +125,20 @@ void Broadphase::Impl::choose() {
 
 const char* to_string(BroadphaseMethod method) noexcept {
     switch (method) {
-        case BroadphaseMethod::Automatic: return "automatic";
-        case BroadphaseMethod::BruteForce: return "brute_force";
-        case BroadphaseMethod::SweepAndPrune: return "sweep_and_prune";
-        case BroadphaseMethod::SortedAxes: return "sorted_axes";
-        case BroadphaseMethod::UniformGrid: return "uniform_grid";
-        case BroadphaseMethod::HierarchicalGrid: return "hierarchical_grid";
-        case BroadphaseMethod::DynamicTree: return "dynamic_tree";
+        case BroadphaseMethod::Automatic:
+            return "automatic";
+        case BroadphaseMethod::BruteForce:
+            return "brute_force";
+        case BroadphaseMethod::SweepAndPrune:
+            return "sweep_and_prune";
+        case BroadphaseMethod::SortedAxes:
+            return "sorted_axes";
+        case BroadphaseMethod::UniformGrid:
+            return "uniform_grid";
+        case BroadphaseMethod::HierarchicalGrid:
+            return "hierarchical_grid";
+        case BroadphaseMethod::DynamicTree:
+            return "dynamic_tree";
     }
     return "unknown";
 }
@@ -336,6 +351,14 @@ void Broadphase::stream_pairs(FunctionRef<bool(std::span<const ProxyPair> row)> 
         w.append_row(a, row);
         if (!row.empty() && !visit(row)) return;
     }
+}
+
+void Broadphase::visit_where(FunctionRef<bool(const FloatAabb&)> touches, FunctionRef<bool(std::uint32_t)> visit) const {
+    if (impl_->built) impl_->method->visit_where(impl_->table, touches, visit);
+}
+
+FloatAabb Broadphase::box(std::uint32_t slot) const noexcept {
+    return slot < impl_->table.boxes.size() ? impl_->table.boxes[slot] : kNowhere;
 }
 
 BroadphaseMethod Broadphase::method() const noexcept { return impl_->in_use; }

@@ -35,10 +35,10 @@ struct BroadphaseSettings {
 /// What changed since the update before. A slot is the caller's stable name of a box; it comes alive when it is first listed as
 /// moved and is free again once it is listed as removed.
 struct ProxyChanges {
-    std::span<const FloatAabb> bounds{};      ///< (n,) by slot; only those of moved slots are read
-    std::span<const ProxyFilter> filters{};   ///< (n,) likewise
-    std::span<const std::uint32_t> moved{};   ///< slots that are new, or whose box or filter changed; any order, repeats are harmless
-    std::span<const std::uint32_t> removed{}; ///< live slots that go, each once
+    std::span<const FloatAabb> bounds{};       ///< (n,) by slot; only those of moved slots are read
+    std::span<const ProxyFilter> filters{};    ///< (n,) likewise
+    std::span<const std::uint32_t> moved{};    ///< slots that are new, or whose box or filter changed; any order, repeats are harmless
+    std::span<const std::uint32_t> removed{};  ///< live slots that go, each once
 };
 
 enum class PairStatus : unsigned char {
@@ -82,6 +82,13 @@ public:
     /// Hands every pair to `visit`, row by row in order, without keeping any: for sets with more pairs than memory holds. Rows
     /// are the pairs of one `a`. Stops when `visit` returns false.
     void stream_pairs(FunctionRef<bool(std::span<const ProxyPair> row)> visit) const;
+
+    /// Visits the live slots for whose boxes `touches` is true, each once and in no promised order, until `visit` returns false. `touches`
+    /// must be true of every region that holds a box of which it is true; regions may be open, with bounds at infinity.
+    /// queries.hpp has the usual shapes. After update; const, so any number of threads may ask at once.
+    void visit_where(FunctionRef<bool(const FloatAabb& region)> touches, FunctionRef<bool(std::uint32_t slot)> visit) const;
+    /// The box of a live slot, as it was passed in; of any other a box that touches nothing.
+    [[nodiscard]] FloatAabb box(std::uint32_t slot) const noexcept;
 
     /// The method in use: the one asked for, or the one chosen for the scene as it stands.
     [[nodiscard]] BroadphaseMethod method() const noexcept;

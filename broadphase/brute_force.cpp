@@ -63,9 +63,7 @@ public:
         }
     }
 
-    [[nodiscard]] std::size_t memory() const noexcept override {
-        return entries_.memory() + sizeof(Mover) * movers_.capacity();
-    }
+    [[nodiscard]] std::size_t memory() const noexcept override { return entries_.memory() + sizeof(Mover) * movers_.capacity(); }
 
 private:
     void set(const ProxyTable& table, std::uint32_t slot, Tag more) noexcept {

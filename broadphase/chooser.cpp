@@ -10,9 +10,9 @@
 namespace carom {
 namespace {
 
-constexpr int kCoarse = 8;          // cells an axis of the coarse grid
+constexpr int kCoarse = 8;  // cells an axis of the coarse grid
 constexpr std::size_t kFewBoxes = 200;
-constexpr double kClumped = 0.4;    // fill below this
+constexpr double kClumped = 0.4;  // fill below this
 constexpr double kSparseLine = 50.0;
 constexpr double kFewMove = 0.15, kMostMove = 0.5;
 constexpr double kManySizes = 6.0;  // p99 over median
@@ -102,8 +102,8 @@ SceneStatistics measure(std::span<const FloatAabb> boxes, std::span<const unsign
     const Extent extent[3] = {extent_along(0, boxes, alive), extent_along(1, boxes, alive), extent_along(2, boxes, alive)};
     for (const Extent& e : extent) {
         const double reach = std::max(e.length, scene.median_size);
-        const double density = reach > 0.0 ? static_cast<double>(scene.count) * scene.median_size / reach
-                                           : static_cast<double>(scene.count);
+        const double density =
+            reach > 0.0 ? static_cast<double>(scene.count) * scene.median_size / reach : static_cast<double>(scene.count);
         scene.line_density = std::max(scene.line_density, density);
         scene.spread_axes += e.length > 8.0 * scene.median_size;
     }

@@ -16,13 +16,13 @@ namespace carom {
 /// What the choice is made from. Sizes are longest edges of boxes [m].
 struct SceneStatistics {
     std::size_t count = 0;
-    double median_size = 0.0;     ///< to within a factor 1.2
-    double p99_size = 0.0;        ///< to within a factor 1.2
+    double median_size = 0.0;  ///< to within a factor 1.2
+    double p99_size = 0.0;     ///< to within a factor 1.2
     double largest_size = 0.0;
-    double line_density = 0.0;    ///< boxes side by side along the axis where they crowd most: count * median size / extent
-    int spread_axes = 0;          ///< axes along which the boxes are spread over more than eight median sizes
-    double fill = 1.0;            ///< occupied cells of a coarse grid over those that an even spread would occupy, at most 1
-    double moving_share = 1.0;    ///< of the boxes, in an update, over the last few tens of updates
+    double line_density = 0.0;  ///< boxes side by side along the axis where they crowd most: count * median size / extent
+    int spread_axes = 0;        ///< axes along which the boxes are spread over more than eight median sizes
+    double fill = 1.0;          ///< occupied cells of a coarse grid over those that an even spread would occupy, at most 1
+    double moving_share = 1.0;  ///< of the boxes, in an update, over the last few tens of updates
 };
 
 /// Counts over the live boxes. Cost: O(n), no allocation.

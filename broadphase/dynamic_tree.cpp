@@ -22,9 +22,7 @@ constexpr int kBins = 8;
 constexpr std::uint32_t kFewLeaves = 4;   // split in the middle
 constexpr float kPredictedFrames = 4.0f;  // of motion like the last one
 
-FloatAabb merge(const FloatAabb& a, const FloatAabb& b) noexcept {
-    return {glm::min(a.lower, b.lower), glm::max(a.upper, b.upper)};
-}
+FloatAabb merge(const FloatAabb& a, const FloatAabb& b) noexcept { return {glm::min(a.lower, b.lower), glm::max(a.upper, b.upper)}; }
 
 bool holds(const FloatAabb& outer, const FloatAabb& inner) noexcept {
     return glm::all(glm::lessThanEqual(outer.lower, inner.lower)) && glm::all(glm::greaterThanEqual(outer.upper, inner.upper));
@@ -64,6 +62,10 @@ public:
     void visit_near(const ProxyTable& table, const FloatAabb& box, FunctionRef<bool(std::uint32_t)> visit) const override {
         walk(box, [&](std::uint32_t slot) { return !overlaps(table.boxes[slot], box) || visit(slot); });
     }
+    void visit_where(const ProxyTable& table, FunctionRef<bool(const FloatAabb&)> touches,
+                     FunctionRef<bool(std::uint32_t)> visit) const override {
+        walk_where(touches, [&](std::uint32_t slot) { return !touches(table.boxes[slot]) || visit(slot); });
+    }
     [[nodiscard]] std::size_t memory() const noexcept override {
         return sizeof(Node) * nodes_.capacity() + sizeof(std::uint32_t) * (leaf_.capacity() + order_.capacity() + free_.capacity());
     }
@@ -89,10 +91,14 @@ private:
     // Calls `visit` for the slots of leaves that overlap `box` until it returns false.
     template <class F>
     void walk(const FloatAabb& box, F visit) const {
+        walk_where([&](const FloatAabb& node) { return overlaps(node, box); }, visit);
+    }
+    template <class T, class F>
+    void walk_where(T touches, F visit) const {
         std::uint32_t node = root_;
         while (node != kNone) {
             const Node& n = nodes_[node];
-            if (overlaps(n.box, box)) {
+            if (touches(n.box)) {
                 if (!n.is_leaf()) {
                     node = n.child[0];
                     continue;
@@ -178,8 +184,10 @@ std::uint32_t DynamicTree::split(const ProxyTable& table, const Range& range) {
     }
     std::uint32_t left = range.first, right = range.last;
     while (left < right) {
-        if (bin_of(order_[left]) < best) ++left;
-        else std::swap(order_[left], order_[--right]);
+        if (bin_of(order_[left]) < best)
+            ++left;
+        else
+            std::swap(order_[left], order_[--right]);
     }
     return left == range.first || left == range.last ? middle : left;
 }
@@ -257,8 +265,10 @@ void DynamicTree::insert(std::uint32_t leaf) {
     nodes_[joint].child[0] = sibling;
     nodes_[joint].child[1] = leaf;
     nodes_[sibling].parent = nodes_[leaf].parent = joint;
-    if (above == kNone) root_ = joint;
-    else nodes_[above].child[nodes_[above].child[1] == sibling] = joint;
+    if (above == kNone)
+        root_ = joint;
+    else
+        nodes_[above].child[nodes_[above].child[1] == sibling] = joint;
     refit_upward(joint);
 }
 
@@ -270,8 +280,10 @@ void DynamicTree::remove(std::uint32_t leaf) {
     }
     const std::uint32_t sibling = nodes_[joint].child[nodes_[joint].child[0] == leaf], above = nodes_[joint].parent;
     nodes_[sibling].parent = above;
-    if (above == kNone) root_ = sibling;
-    else nodes_[above].child[nodes_[above].child[1] == joint] = sibling;
+    if (above == kNone)
+        root_ = sibling;
+    else
+        nodes_[above].child[nodes_[above].child[1] == joint] = sibling;
     free_.push_back(joint);
     if (above != kNone) refit_upward(above);
 }

@@ -29,6 +29,12 @@ public:
     void find_all(const ProxyTable& table, Executor& executor, PairPieces& out) override;
     void find_moved(const ProxyTable& table, const ChangeLists& changes, Executor& executor, PairPieces& out) override;
     void visit_near(const ProxyTable& table, const FloatAabb& box, FunctionRef<bool(std::uint32_t)> visit) const override;
+    void visit_where(const ProxyTable& table, FunctionRef<bool(const FloatAabb&)> touches,
+                     FunctionRef<bool(std::uint32_t)> visit) const override {
+        for (std::size_t k = 0; k < level_count_; ++k) {
+            if (levels_[k].size() != 0 && !levels_[k].visit_where(table, touches, visit)) return;
+        }
+    }
     [[nodiscard]] std::size_t memory() const noexcept override;
 
 private:
@@ -41,16 +47,16 @@ private:
     void list_movers(const ProxyTable& table, const ChangeLists& changes);
 
     bool by_size_;
-    int smallest_ = 0;                          // binary exponent of the first level's longest edges
-    std::array<GridLevel, kMostLevels> levels_; // of ever longer boxes; the last has all that are longer yet
+    int smallest_ = 0;                           // binary exponent of the first level's longest edges
+    std::array<GridLevel, kMostLevels> levels_;  // of ever longer boxes; the last has all that are longer yet
     std::size_t level_count_ = 0;
     std::array<std::vector<std::uint32_t>, kMostLevels> slots_;
-    std::vector<std::uint32_t> place_;          // of each slot, in its level
-    std::vector<unsigned char> level_;          // of each slot
+    std::vector<std::uint32_t> place_;  // of each slot, in its level
+    std::vector<unsigned char> level_;  // of each slot
     std::vector<Piece> pieces_;
-    std::vector<Mover> movers_;                 // level by level, in the order of their places
-    std::vector<std::uint64_t> bits_;           // one a place
-    std::size_t debt_ = 0;                      // entries read beyond need since the grid was built
+    std::vector<Mover> movers_;        // level by level, in the order of their places
+    std::vector<std::uint64_t> bits_;  // one a place
+    std::size_t debt_ = 0;             // entries read beyond need since the grid was built
 };
 
 // Four times the size is one level up.
@@ -74,10 +80,12 @@ void Grid::build(const ProxyTable& table, Slack slack) {
     level_count_ = by_size_ ? kMostLevels : 1;
     if (by_size_) {
         std::array<std::size_t, 256> count{};
-        for (std::size_t slot = 0; slot < n; ++slot) count[static_cast<std::size_t>(exponent_of(longest_edge(table.boxes[slot])))] += table.alive[slot];
+        for (std::size_t slot = 0; slot < n; ++slot)
+            count[static_cast<std::size_t>(exponent_of(longest_edge(table.boxes[slot])))] += table.alive[slot];
         std::size_t below = 0;
         int middle = 0;
-        while (middle < 255 && 2 * (below + count[static_cast<std::size_t>(middle)]) < table.live_count) below += count[static_cast<std::size_t>(middle++)];
+        while (middle < 255 && 2 * (below + count[static_cast<std::size_t>(middle)]) < table.live_count)
+            below += count[static_cast<std::size_t>(middle++)];
         smallest_ = middle - 1 - 2 * kMiddleLevel;  // the upper of its level's two exponents
     }
     for (std::size_t k = 0; k < level_count_; ++k) slots_[k].clear();

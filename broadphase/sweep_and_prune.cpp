@@ -143,9 +143,9 @@ private:
     std::vector<std::uint64_t> sort_keys_;
     std::vector<std::uint32_t> order_;
     RadixScratch scratch_;
-    std::vector<CellRange> cells_;     // of each box
-    std::vector<std::size_t> next_;    // where each cell's next entry goes
-    std::vector<FloatAabb> bounds_;    // of live slots, in their order
+    std::vector<CellRange> cells_;   // of each box
+    std::vector<std::size_t> next_;  // where each cell's next entry goes
+    std::vector<FloatAabb> bounds_;  // of live slots, in their order
     std::vector<std::uint32_t> slot_of_;
     std::vector<Tag> tags_;
     Entries entries_;

@@ -108,9 +108,14 @@ struct RunVector {
     Ints tags;
     Mask there;
     HWY_INLINE RunVector(const EntryView& e, std::size_t j, std::size_t last)
-        : lower0(load_unaligned(e.lower0 + j)), lower1(load_unaligned(e.lower1 + j)), lower2(load_unaligned(e.lower2 + j)),
-          upper0(load_unaligned(e.upper0 + j)), upper1(load_unaligned(e.upper1 + j)), upper2(load_unaligned(e.upper2 + j)),
-          tags(load_unaligned(e.tag + j)), there(first_lanes(static_cast<int>(last - j < kLanes ? last - j : kLanes))) {}
+        : lower0(load_unaligned(e.lower0 + j)),
+          lower1(load_unaligned(e.lower1 + j)),
+          lower2(load_unaligned(e.lower2 + j)),
+          upper0(load_unaligned(e.upper0 + j)),
+          upper1(load_unaligned(e.upper1 + j)),
+          upper2(load_unaligned(e.upper2 + j)),
+          tags(load_unaligned(e.tag + j)),
+          there(first_lanes(static_cast<int>(last - j < kLanes ? last - j : kLanes))) {}
     HWY_INLINE Mask overlapping(const EntryView& e, std::size_t i) const {
         return there & (lower0 <= Floats{e.upper0[i]}) & (upper0 >= Floats{e.lower0[i]}) & (lower1 <= Floats{e.upper1[i]}) &
                (upper1 >= Floats{e.lower1[i]}) & (lower2 <= Floats{e.upper2[i]}) & (upper2 >= Floats{e.lower2[i]});
@@ -157,8 +162,8 @@ struct BatchReach {
         const Ints wanted_row{static_cast<std::int32_t>(row)}, wanted_layer{static_cast<std::int32_t>(layer)};
         std::uint64_t boxes = 0;
         for (std::size_t i = 0; i < count; i += kLanes) {
-            const Mask reaches = (load(first_row + i) <= wanted_row) & (load(last_row + i) >= wanted_row) &
-                                 (load(last_layer + i) >= wanted_layer);
+            const Mask reaches =
+                (load(first_row + i) <= wanted_row) & (load(last_row + i) >= wanted_row) & (load(last_layer + i) >= wanted_layer);
             boxes |= std::uint64_t{bits(reaches)} << i;
         }
         return count == kBatch ? boxes : boxes & ((std::uint64_t{1} << count) - 1);
@@ -260,9 +265,8 @@ void all_between(const GridLevel& finer, std::size_t begin, std::size_t end, con
                 scan_run<true>(g, first, last, code, box, tag, out);
             });
         } else {
-            for_runs_of_range(g, r, [&](std::size_t first, std::size_t last, std::uint32_t) {
-                scan_run<false>(g, first, last, 0, box, tag, out);
-            });
+            for_runs_of_range(
+                g, r, [&](std::size_t first, std::size_t last, std::uint32_t) { scan_run<false>(g, first, last, 0, box, tag, out); });
         }
     }
 }
@@ -291,13 +295,11 @@ void begun_of_level(const GridLevel& g, std::span<const Mover> movers, PairBuffe
         }
         if (g.map.hashed) {
             // A pair found twice, where two cells share an entry of the table, is one pair once the list is sorted.
-            for_runs_of_range(g, r, [&](std::size_t first, std::size_t last, std::uint32_t) {
-                scan_begun(g.entries, first, last, box, out);
-            });
+            for_runs_of_range(g, r,
+                              [&](std::size_t first, std::size_t last, std::uint32_t) { scan_begun(g.entries, first, last, box, out); });
         } else {
-            for_runs_of_range(g, r, [&](std::size_t first, std::size_t last, std::uint32_t) {
-                scan_begun(g.entries, first, last, box, out);
-            });
+            for_runs_of_range(g, r,
+                              [&](std::size_t first, std::size_t last, std::uint32_t) { scan_begun(g.entries, first, last, box, out); });
         }
         scan_begun(g.entries, g.stray_begin, g.stray_end, box, out);
     }
@@ -318,8 +320,7 @@ HWY_EXPORT(begun_of_level);
 void find_all_in_level(const GridLevel& level, std::size_t first, std::size_t last, PairBuffer& out) {
     HWY_DYNAMIC_DISPATCH(all_of_level)(level, first, last, out);
 }
-void find_all_between(const GridLevel& finer, std::size_t first, std::size_t last, const GridLevel& coarser,
-                      PairBuffer& out) {
+void find_all_between(const GridLevel& finer, std::size_t first, std::size_t last, const GridLevel& coarser, PairBuffer& out) {
     HWY_DYNAMIC_DISPATCH(all_between)(finer, first, last, coarser, out);
 }
 void find_begun_in_level(const GridLevel& level, std::span<const Mover> movers, PairBuffer& out) {

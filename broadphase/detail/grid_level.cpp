@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace carom::detail {
@@ -81,6 +82,15 @@ CellMap choose_cells(const ProxyTable& table, std::span<const std::uint32_t> slo
 
 }  // namespace
 
+void CellMap::region(int k, std::uint32_t c, FloatAabb& box) const noexcept {
+    const double edge = per_metre[k] > 0.0 ? 1.0 / per_metre[k] : 0.0;
+    const double low = origin[k] + c * edge, high = origin[k] + (c + 1.0) * edge + reach[k];
+    const double slack = 0x1p-20 * (std::abs(low) + std::abs(high) + edge);  // far more than all rounding, to float as well
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    box.lower[axes[k]] = c == 0 ? -kInfinity : static_cast<float>(low - slack);
+    box.upper[axes[k]] = static_cast<double>(c) == last[k] ? kInfinity : static_cast<float>(high + slack);
+}
+
 GridLevel::Home GridLevel::home_of(const FloatAabb& box) const noexcept {
     std::uint32_t c[3];
     for (int k = 0; k < 3; ++k) c[k] = map.coordinate(k, static_cast<double>(box.lower[map.axes[k]]));
@@ -120,8 +130,7 @@ void GridLevel::give_room() {
     stray_begin = stray_end = end;
 }
 
-void GridLevel::build(const ProxyTable& table, std::span<const std::uint32_t> slots, Slack slack,
-                      std::vector<std::uint32_t>& place) {
+void GridLevel::build(const ProxyTable& table, std::span<const std::uint32_t> slots, Slack slack, std::vector<std::uint32_t>& place) {
     slack_ = slack;
     size_ = slots.size();
     cell_of_.resize(size_);
@@ -163,8 +172,7 @@ void GridLevel::build(const ProxyTable& table, std::span<const std::uint32_t> sl
     entries.close(total);
 }
 
-void GridLevel::put(const ProxyTable& table, std::size_t at, std::uint32_t slot, Home home,
-                    std::vector<std::uint32_t>& place) {
+void GridLevel::put(const ProxyTable& table, std::size_t at, std::uint32_t slot, Home home, std::vector<std::uint32_t>& place) {
     entries.set(at, table.boxes[slot], map.axes, slot | (table.movable[slot] != 0 ? 0 : kImmovable));
     if (map.hashed) code[at] = home.code;
     if (slack_ == Slack::None) return;  // nothing will be moved or taken out
@@ -213,8 +221,7 @@ void GridLevel::move(const ProxyTable& table, std::uint32_t slot, std::vector<st
     insert(table, slot, place);
 }
 
-bool GridLevel::visit_near(const ProxyTable& table, const FloatAabb& box,
-                           FunctionRef<bool(std::uint32_t)> visit) const {
+bool GridLevel::visit_near(const ProxyTable& table, const FloatAabb& box, FunctionRef<bool(std::uint32_t)> visit) const {
     std::uint32_t first[3], last[3];
     std::size_t cells = 1;
     for (int k = 0; k < 3; ++k) {
@@ -241,6 +248,40 @@ bool GridLevel::visit_near(const ProxyTable& table, const FloatAabb& box,
         }
     }
     return visit_run(stray_begin, stray_end, false, 0);
+}
+
+bool GridLevel::visit_run(const ProxyTable& table, std::size_t first, std::size_t last, FunctionRef<bool(const FloatAabb&)> touches,
+                          FunctionRef<bool(std::uint32_t)> visit) const {
+    for (std::size_t at = first; at < last; ++at) {
+        const std::uint32_t slot = static_cast<Tag>(entries.tag[at]) & kIndexMask;
+        const bool there = entries.lower[0][at] <= entries.upper[0][at];
+        if (there && touches(table.boxes[slot]) && !visit(slot)) return false;
+    }
+    return true;
+}
+
+bool GridLevel::visit_where(const ProxyTable& table, FunctionRef<bool(const FloatAabb&)> touches,
+                            FunctionRef<bool(std::uint32_t)> visit) const {
+    if (map.hashed) return visit_run(table, 0, stray_end, touches, visit);  // the table does not say where its cells are
+    constexpr float kInfinity = std::numeric_limits<float>::infinity();
+    FloatAabb layer{vec3{-kInfinity}, vec3{kInfinity}};
+    for (std::uint32_t z = 0; z < map.count[2]; ++z) {
+        map.region(2, z, layer);
+        if (!touches(layer)) continue;
+        FloatAabb row = layer;
+        for (std::uint32_t y = 0; y < map.count[1]; ++y) {
+            map.region(1, y, row);
+            if (!touches(row)) continue;
+            FloatAabb box = row;
+            for (std::uint32_t x = 0; x < map.count[0]; ++x) {
+                const std::uint32_t cell = map.cell(x, y, z);
+                if (used[cell] == 0) continue;
+                map.region(0, x, box);
+                if (touches(box) && !visit_run(table, begin[cell], begin[cell] + used[cell], touches, visit)) return false;
+            }
+        }
+    }
+    return visit_run(table, stray_begin, stray_end, touches, visit);
 }
 
 void GridLevel::prefetch(std::size_t at) const noexcept {

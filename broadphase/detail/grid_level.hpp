@@ -24,14 +24,14 @@ namespace carom::detail {
 /// How corners map to cells. Where the boxes are spread too thinly for a table of all cells, cells are dealt out to a table by hash.
 struct CellMap {
     static constexpr double kMostCoordinate = 1048575.0;
-    int axes[3] = {0, 1, 2};       ///< runs go along the first
+    int axes[3] = {0, 1, 2};  ///< runs go along the first
     double origin[3] = {};
     double per_metre[3] = {};
-    double last[3] = {};           ///< greatest coordinate of a cell; everything beyond counts as in it
-    double reach[3] = {};          ///< no box of the level is longer, but for strays
+    double last[3] = {};   ///< greatest coordinate of a cell; everything beyond counts as in it
+    double reach[3] = {};  ///< no box of the level is longer, but for strays
     std::uint32_t count[3] = {1, 1, 1};
     bool hashed = false;
-    std::uint32_t mask = 0;        ///< of the hash
+    std::uint32_t mask = 0;  ///< of the hash
 
     /// Never decreases as x grows, whatever is rounded.
     [[nodiscard]] std::uint32_t coordinate(int k, double x) const noexcept {
@@ -40,6 +40,8 @@ struct CellMap {
         c = c > 0.0 ? c : 0.0;
         return static_cast<std::uint32_t>(static_cast<std::int32_t>(c));
     }
+    /// Where boxes of the cells c along an axis may lie, rounded outward; open at the ends of the grid.
+    void region(int k, std::uint32_t c, FloatAabb& box) const noexcept;
     /// The least coordinate of any box that overlaps one whose lower end is x.
     [[nodiscard]] std::uint32_t reaching(int k, float lower) const noexcept {
         const double x = lower;
@@ -83,6 +85,9 @@ public:
     /// Visits every slot whose box overlaps `box`, each once, until `visit` says no. @return whether it never did.
     bool visit_near(const ProxyTable& table, const FloatAabb& box, FunctionRef<bool(std::uint32_t)> visit) const;
 
+    /// The same for every slot for whose box `touches` is true; it is true of any region around such a box.
+    bool visit_where(const ProxyTable& table, FunctionRef<bool(const FloatAabb&)> touches, FunctionRef<bool(std::uint32_t)> visit) const;
+
     [[nodiscard]] std::size_t size() const noexcept { return size_; }
     [[nodiscard]] std::size_t cells() const noexcept { return used.size(); }
     [[nodiscard]] std::size_t end() const noexcept { return stray_end; }
@@ -91,16 +96,19 @@ public:
 
     // Read by the kernels.
     CellMap map;
-    Entries entries;                       ///< cell by cell, then the strays
-    std::vector<std::uint32_t> begin;      ///< (cells + 1,) of each cell's room
-    std::vector<std::uint32_t> used;       ///< (cells,) entries from `begin` on
-    std::vector<std::uint32_t> code;       ///< of each entry, where cells are hashed
+    Entries entries;                   ///< cell by cell, then the strays
+    std::vector<std::uint32_t> begin;  ///< (cells + 1,) of each cell's room
+    std::vector<std::uint32_t> used;   ///< (cells,) entries from `begin` on
+    std::vector<std::uint32_t> code;   ///< of each entry, where cells are hashed
     std::size_t stray_begin = 0, stray_end = 0;
 
 private:
     struct Home {
         std::uint32_t cell, code;
     };
+    /// Whole runs of entries, each box asked for.
+    bool visit_run(const ProxyTable& table, std::size_t first, std::size_t last, FunctionRef<bool(const FloatAabb&)> touches,
+                   FunctionRef<bool(std::uint32_t)> visit) const;
     [[nodiscard]] Home home_of(const FloatAabb& box) const noexcept;
     /// Counts the boxes of each cell into `used`. @return the mean number of boxes that share a box's cell.
     double count_cells(const ProxyTable& table, std::span<const std::uint32_t> slots);
@@ -109,9 +117,9 @@ private:
 
     std::size_t size_ = 0;
     Slack slack_ = Slack::None;
-    std::vector<std::uint32_t> home_;      // the cell of each entry
+    std::vector<std::uint32_t> home_;               // the cell of each entry
     std::vector<std::uint32_t> cell_of_, code_of_;  // of each slot of the list, while the level is built
-    std::vector<std::uint32_t> order_;     // places in that list, cell by cell
+    std::vector<std::uint32_t> order_;              // places in that list, cell by cell
 };
 
 /// Pairs of the boxes in cells [first, last) with each other and those in later cells of the level, which was just built; each once.

@@ -10,6 +10,7 @@
 #include <carom/core/executor.hpp>
 #include <carom/core/function_ref.hpp>
 
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 
@@ -35,6 +36,15 @@ public:
     /// Visits every live slot whose box overlaps `box`, each once, in any order, until `visit` returns false. May visit others. Only after
     /// find_all; const: any number of threads.
     virtual void visit_near(const ProxyTable& table, const FloatAabb& box, FunctionRef<bool(std::uint32_t)> visit) const = 0;
+
+    /// Visits every live slot for whose box `touches` is true, each once, until `visit` returns false. `touches` is true of any region around
+    /// such a box. This one looks at every box.
+    virtual void visit_where(const ProxyTable& table, FunctionRef<bool(const FloatAabb&)> touches,
+                             FunctionRef<bool(std::uint32_t)> visit) const {
+        for (std::size_t slot = 0; slot < table.boxes.size(); ++slot) {
+            if (table.alive[slot] != 0 && touches(table.boxes[slot]) && !visit(static_cast<std::uint32_t>(slot))) return;
+        }
+    }
 
     /// [bytes]
     [[nodiscard]] virtual std::size_t memory() const noexcept = 0;

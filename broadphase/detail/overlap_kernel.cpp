@@ -76,8 +76,7 @@ void find_begun(const Entries& entries, std::size_t end, std::span<const Mover> 
     HWY_DYNAMIC_DISPATCH(begun_of_movers)(entries, end, movers, out);
 }
 
-void find_overlaps(const Entries& entries, std::size_t begin, std::size_t end, std::size_t last, Order order,
-                   PairBuffer& out) {
+void find_overlaps(const Entries& entries, std::size_t begin, std::size_t end, std::size_t last, Order order, PairBuffer& out) {
     if (order == Order::Sorted) {
         HWY_DYNAMIC_DISPATCH(overlaps_sorted)(entries, begin, end, last, out);
     } else {

@@ -16,10 +16,10 @@ namespace carom::detail {
 
 /// A box's index and what keeps a pair from being reported: a bit that both boxes of a pair carry.
 using Tag = std::uint32_t;
-inline constexpr Tag kNotHome1 = Tag{1} << 31;   ///< the box is listed in an earlier strip of axis 1 too
-inline constexpr Tag kNotHome2 = Tag{1} << 30;   ///< the same on axis 2
+inline constexpr Tag kNotHome1 = Tag{1} << 31;  ///< the box is listed in an earlier strip of axis 1 too
+inline constexpr Tag kNotHome2 = Tag{1} << 30;  ///< the same on axis 2
 inline constexpr Tag kImmovable = Tag{1} << 29;
-inline constexpr Tag kMoved = Tag{1} << 28;      ///< the box moved in this update
+inline constexpr Tag kMoved = Tag{1} << 28;  ///< the box moved in this update
 inline constexpr Tag kIndexMask = kMoved - 1;
 
 /// Boxes as arrays. Axis 0 is the one that is swept. Runs of boxes are closed by sentinels that overlap nothing, so the
@@ -49,8 +49,7 @@ enum class Order { Sorted, Any };
 
 /// Tests each entry in [begin, end) against the entries after it: to the end of its run if sorted, else to `last`, where
 /// sentinels stand. Adds the pairs that overlap (closed test) and share no tag bit to `out`; stops early once `out` is full.
-void find_overlaps(const Entries& entries, std::size_t begin, std::size_t end, std::size_t last, Order order,
-                   PairBuffer& out);
+void find_overlaps(const Entries& entries, std::size_t begin, std::size_t end, std::size_t last, Order order, PairBuffer& out);
 
 /// A box that moved, its axes in the order of the entries.
 struct Mover {

@@ -30,9 +30,7 @@ void sort_run(std::vector<std::uint64_t>& keys, std::vector<std::uint32_t>& payl
     }
 }
 
-ProxyPair pair_of(std::uint64_t key) noexcept {
-    return {static_cast<std::uint32_t>(key >> 32), static_cast<std::uint32_t>(key)};
-}
+ProxyPair pair_of(std::uint64_t key) noexcept { return {static_cast<std::uint32_t>(key >> 32), static_cast<std::uint32_t>(key)}; }
 
 // The first place at or after `from` whose pair is not before `key`: steps of growing size, then halving.
 std::size_t find_place(const ProxyPair* pairs, std::size_t from, std::size_t count, std::uint64_t key) noexcept {
@@ -45,8 +43,10 @@ std::size_t find_place(const ProxyPair* pairs, std::size_t from, std::size_t cou
     high = std::min(high, count);
     while (low < high) {
         const std::size_t middle = low + (high - low) / 2;
-        if (key_of(pairs[middle]) < key) low = middle + 1;
-        else high = middle;
+        if (key_of(pairs[middle]) < key)
+            low = middle + 1;
+        else
+            high = middle;
     }
     return low;
 }
@@ -99,8 +99,7 @@ void PairSet::replace(const PairPieces& found, std::size_t slots, Executor& exec
     compare_with_before();
 }
 
-void PairSet::sort_bucket(std::span<const ProxyPair> bucket, std::uint32_t first_row, std::uint32_t start,
-                          std::span<std::uint32_t> ends) {
+void PairSet::sort_bucket(std::span<const ProxyPair> bucket, std::uint32_t first_row, std::uint32_t start, std::span<std::uint32_t> ends) {
     std::fill(ends.begin(), ends.end(), 0u);
     for (const ProxyPair& pair : bucket) ++ends[pair.a - first_row];
     std::uint32_t at = start;
@@ -184,9 +183,8 @@ bool PairSet::patch(const PairPieces& found, const SlotBits& changed, const Keep
             begun += !(place < count_ && key_of(pairs_[place]) == key);
         }
         const std::size_t ended = static_cast<std::size_t>(
-            std::count_if(pairs_.begin(), pairs_.begin() + static_cast<std::ptrdiff_t>(count_), [&](const ProxyPair& pair) {
-                return (changed.test(pair.a) || changed.test(pair.b)) && !keep_pair(pair);
-            }));
+            std::count_if(pairs_.begin(), pairs_.begin() + static_cast<std::ptrdiff_t>(count_),
+                          [&](const ProxyPair& pair) { return (changed.test(pair.a) || changed.test(pair.b)) && !keep_pair(pair); }));
         if (count_ + begun - ended > limit) return false;
     }
     list_ended(changed, keep_pair);
@@ -220,10 +218,9 @@ bool PairSet::patch(const PairPieces& found, const SlotBits& changed, const Keep
 }
 
 std::size_t PairSet::memory() const noexcept {
-    return sizeof(ProxyPair) * (pairs_.capacity() + next_.capacity() + unsorted_.capacity() + begun_store_.capacity() +
-                                ended_.capacity()) +
-           sizeof(std::uint32_t) * (row_values_.capacity() + row_ends_.capacity() + bucket_.capacity() + next_in_bucket_.capacity() + touched_.capacity() +
-                                    ended_places_.capacity() + payload_.capacity() + scratch_.payload.capacity()) +
+    return sizeof(ProxyPair) * (pairs_.capacity() + next_.capacity() + unsorted_.capacity() + begun_store_.capacity() + ended_.capacity()) +
+           sizeof(std::uint32_t) * (row_values_.capacity() + row_ends_.capacity() + bucket_.capacity() + next_in_bucket_.capacity() +
+                                    touched_.capacity() + ended_places_.capacity() + payload_.capacity() + scratch_.payload.capacity()) +
            sizeof(std::uint64_t) * (candidates_.capacity() + scratch_.keys.capacity());
 }
 

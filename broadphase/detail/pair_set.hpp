@@ -18,9 +18,7 @@
 namespace carom::detail {
 
 /// @return the pair as a number that sorts like it.
-[[nodiscard]] inline std::uint64_t key_of(const ProxyPair& pair) noexcept {
-    return (std::uint64_t{pair.a} << 32) | pair.b;
-}
+[[nodiscard]] inline std::uint64_t key_of(const ProxyPair& pair) noexcept { return (std::uint64_t{pair.a} << 32) | pair.b; }
 
 /// One bit a slot: which were changed.
 class SlotBits {
@@ -77,13 +75,13 @@ private:
     std::vector<ProxyPair> pairs_, next_;  // grown, never shrunk: the first count_ of pairs_ hold
     std::vector<ProxyPair> unsorted_;
     std::size_t count_ = 0;
-    std::size_t previous_count_ = 0;       // of next_, while the two lists are compared
+    std::size_t previous_count_ = 0;  // of next_, while the two lists are compared
     std::span<const ProxyPair> begun_;
     std::vector<ProxyPair> begun_store_, ended_;
     std::vector<std::uint32_t> row_values_, row_ends_;
-    std::vector<std::uint32_t> bucket_;                   // where each bucket of rows starts
+    std::vector<std::uint32_t> bucket_;  // where each bucket of rows starts
     std::vector<std::uint32_t> next_in_bucket_;
-    std::vector<std::uint32_t> touched_, ended_places_;   // places in pairs_
+    std::vector<std::uint32_t> touched_, ended_places_;  // places in pairs_
     std::vector<std::uint64_t> candidates_;
     std::vector<std::uint32_t> payload_;
     RadixScratch scratch_;

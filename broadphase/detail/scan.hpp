@@ -38,8 +38,13 @@ struct EntryView {
     const float *lower0, *lower1, *lower2, *upper0, *upper1, *upper2;
     const std::int32_t* tag;
     HWY_INLINE EntryView(const Entries& e)
-        : lower0(e.lower[0].data()), lower1(e.lower[1].data()), lower2(e.lower[2].data()), upper0(e.upper[0].data()),
-          upper1(e.upper[1].data()), upper2(e.upper[2].data()), tag(e.tag.data()) {}
+        : lower0(e.lower[0].data()),
+          lower1(e.lower[1].data()),
+          lower2(e.lower[2].data()),
+          upper0(e.upper[0].data()),
+          upper1(e.upper[1].data()),
+          upper2(e.upper[2].data()),
+          tag(e.tag.data()) {}
 };
 
 // Entries j .. j + kLanes - 1 that overlap the box.

@@ -18,7 +18,9 @@ namespace carom::test {
 class Crowd {
 public:
     Crowd(Distribution kind, std::size_t n, std::uint64_t seed, bool filtered)
-        : kind_(kind), boxes_(random_boxes(kind, n, seed)), filters_(filtered ? random_filters(n, seed) : std::vector<ProxyFilter>(n)),
+        : kind_(kind),
+          boxes_(random_boxes(kind, n, seed)),
+          filters_(filtered ? random_filters(n, seed) : std::vector<ProxyFilter>(n)),
           alive_(n, true) {
         for (std::uint32_t i = 0; i < n; ++i) moved_.push_back(i);
     }

@@ -163,8 +163,11 @@ TEST_P(Methods, RefuseBadInputAndStayAsTheyWere) {
 
 TEST_P(Methods, TakeTheWholeRangeOfFloat) {
     constexpr float kMax = std::numeric_limits<float>::max();
-    std::vector<FloatAabb> boxes{{vec3{-kMax}, vec3{kMax}}, {vec3{kMax}, vec3{kMax}}, {vec3{-kMax}, vec3{-kMax}},
-                                 {vec3{0.0f}, vec3{0.0f}},  {vec3{-0x1p-149f}, vec3{-0.0f}}};
+    std::vector<FloatAabb> boxes{{vec3{-kMax}, vec3{kMax}},
+                                 {vec3{kMax}, vec3{kMax}},
+                                 {vec3{-kMax}, vec3{-kMax}},
+                                 {vec3{0.0f}, vec3{0.0f}},
+                                 {vec3{-0x1p-149f}, vec3{-0.0f}}};
     for (int i = 0; i < 200; ++i) boxes.push_back({vec3{static_cast<float>(i) * 1e36f}, vec3{static_cast<float>(i + 1) * 1e36f}});
     const std::vector<ProxyFilter> filters(boxes.size());
     Broadphase broadphase = make();

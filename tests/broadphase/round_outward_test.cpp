@@ -2,8 +2,8 @@
 #include <carom/broadphase/proxy.hpp>
 #include <carom/core/random.hpp>
 
-#include <boost/multiprecision/cpp_int.hpp>
 #include <gtest/gtest.h>
+#include <boost/multiprecision/cpp_int.hpp>
 
 #include <cmath>
 #include <limits>
