@@ -1,24 +1,381 @@
 #include <carom/broadphase/broadphase.hpp>
-#include <carom/broadphase/detail/methods.hpp>
+
+#include <carom/broadphase/chooser.hpp>
+#include <carom/broadphase/detail/method.hpp>
+#include <carom/broadphase/detail/pair_set.hpp>
 #include <carom/core/check.hpp>
+
+#include <hwy/cache_control.h>
+
+#include <algorithm>
+#include <string>
+#include <vector>
 
 namespace carom {
 
+using detail::kNowhere;
+
+namespace {
+
+constexpr std::size_t kMostSlots = (std::size_t{1} << 28) - 1;
+// The scene is looked at again after so many updates, or once its size has changed by a quarter.
+constexpr int kUpdatesACheck = 32;
+constexpr double kMemory = 0.9;  // of the moving share, from update to update
+constexpr std::size_t kMostPairs = std::size_t{1} << 31;
+
+bool is_ordered(const FloatAabb& box) noexcept {
+    return (box.lower.x <= box.upper.x) & (box.lower.y <= box.upper.y) & (box.lower.z <= box.upper.z);
+}
+
+bool is_finite_box(const FloatAabb& box) noexcept {
+    // The difference of two floats of either sign is finite in double.
+    const double sum = (double(box.lower.x) - double(box.upper.x)) + (double(box.lower.y) - double(box.upper.y)) +
+                       (double(box.lower.z) - double(box.upper.z));
+    return sum - sum == 0.0;
+}
+
+std::unique_ptr<detail::Method> make_method(BroadphaseMethod method) {
+    switch (method) {
+        case BroadphaseMethod::SweepAndPrune:
+            return detail::make_sweep_and_prune();
+        case BroadphaseMethod::SortedAxes:
+            return detail::make_sorted_axes();
+        case BroadphaseMethod::UniformGrid:
+            return detail::make_uniform_grid();
+        case BroadphaseMethod::HierarchicalGrid:
+            return detail::make_hierarchical_grid();
+        case BroadphaseMethod::DynamicTree:
+            return detail::make_dynamic_tree();
+        default:
+            return detail::make_brute_force();
+    }
+}
+
+}  // namespace
+
+struct Broadphase::Impl {
+    explicit Impl(const BroadphaseSettings& given) : settings(given) {}
+
+    [[nodiscard]] const char* find_fault(const ProxyChanges& changes);
+    void take_over(const ProxyChanges& changes);
+    void take_moved(const ProxyChanges& changes, std::uint32_t slot);
+    [[nodiscard]] bool wanted(ProxyPair pair) const {
+        return (all_agree() || may_meet(table.filters[pair.a], table.filters[pair.b])) &&
+               (settings.callback.wanted == nullptr || settings.callback.wanted(settings.callback.context, pair));
+    }
+    [[nodiscard]] bool all_agree() const noexcept { return common_bits != 0; }
+    void drop_unwanted(Executor& executor);
+    [[nodiscard]] bool find_begun(const detail::ChangeLists& lists, Executor& executor);
+    void find_all(Executor& executor);
+    /// The first pairs in order, up to the limit. @return the row that is cut off, or the number of slots.
+    std::uint32_t list_first_rows();
+    /// Appends the pairs (a, b) of one `a`, sorted.
+    void append_row(std::uint32_t a, std::vector<ProxyPair>& out) const;
+
+    /// Looks at the scene from time to time and takes another method where that suits it better.
+    void choose();
+    void use(BroadphaseMethod wanted) {
+        in_use = wanted;
+        method = make_method(wanted);
+        built = false;
+    }
+
+    BroadphaseSettings settings;
+    BroadphaseMethod in_use = BroadphaseMethod::BruteForce;
+    std::unique_ptr<detail::Method> method;
+    bool built = false;  // the method has every live box
+    detail::ProxyTable table;
+    std::uint64_t common_bits = ~std::uint64_t{0};  // in every layer and every mask since the last clear
+    std::vector<std::uint32_t> moved, inserted, removed;
+    detail::SlotBits changed;
+    detail::PairPieces pieces;
+    detail::PairSet set;
+    std::vector<ProxyPair> rows;
+    PairUpdate result;
+    MethodChoice choice;    // why this method
+    SceneStatistics scene;  // when it was chosen, or last confirmed
+    double moving_share = 1.0;
+    int updates_since_check = 0;
+    std::size_t count_at_check = 0;
+    BroadphaseMethod wanted_before = BroadphaseMethod::Automatic;  // by the check before
+};
+
+void Broadphase::Impl::choose() {
+    if (settings.method != BroadphaseMethod::Automatic) return;
+    const auto live = static_cast<double>(table.live_count), then = static_cast<double>(count_at_check);
+    const bool first = count_at_check == 0;
+    if (!inserted.empty() && first)
+        moving_share = 1.0;
+    else if (table.live_count != 0)
+        moving_share = kMemory * moving_share + (1.0 - kMemory) * static_cast<double>(moved.size()) / live;
+    const bool grown = live > 1.25 * then || live < 0.75 * then;
+    if (++updates_since_check < kUpdatesACheck && !grown) return;
+    updates_since_check = 0;
+    count_at_check = table.live_count;
+    const SceneStatistics now = measure(table.boxes, table.alive, moving_share);
+    const MethodChoice best = choose_method(now, in_use);
+    // Two checks in a row must agree, but for scenes that have just changed size.
+    const bool agreed = grown || wanted_before == best.method;
+    wanted_before = best.method;
+    if (best.method != in_use && agreed) use(best.method);
+    if (best.method != in_use) return;
+    choice = best;
+    scene = now;
+}
+
 const char* to_string(BroadphaseMethod method) noexcept {
     switch (method) {
-        case BroadphaseMethod::BruteForce: return "brute_force";
-        case BroadphaseMethod::SweepAndPrune: return "sweep_and_prune";
+        case BroadphaseMethod::Automatic:
+            return "automatic";
+        case BroadphaseMethod::BruteForce:
+            return "brute_force";
+        case BroadphaseMethod::SweepAndPrune:
+            return "sweep_and_prune";
+        case BroadphaseMethod::SortedAxes:
+            return "sorted_axes";
+        case BroadphaseMethod::UniformGrid:
+            return "uniform_grid";
+        case BroadphaseMethod::HierarchicalGrid:
+            return "hierarchical_grid";
+        case BroadphaseMethod::DynamicTree:
+            return "dynamic_tree";
     }
     return "unknown";
 }
 
-std::unique_ptr<Broadphase> make_broadphase(BroadphaseMethod method) {
-    switch (method) {
-        case BroadphaseMethod::BruteForce: return detail::make_brute_force();
-        case BroadphaseMethod::SweepAndPrune: return detail::make_sweep_and_prune();
+bool is_valid(BroadphaseMethod method) noexcept {
+    return method == BroadphaseMethod::Automatic ||
+           std::find(std::begin(kBroadphaseMethods), std::end(kBroadphaseMethods), method) != std::end(kBroadphaseMethods);
+}
+
+const char* Broadphase::Impl::find_fault(const ProxyChanges& changes) {
+    const std::size_t n = changes.bounds.size();
+    if (n != changes.filters.size()) return "bounds and filters differ in size";
+    if (n > kMostSlots) return "2^28 slots or more";
+    changed.reset(std::max(n, table.boxes.size()));
+    for (const std::uint32_t slot : changes.removed) {
+        if (slot >= table.alive.size() || table.alive[slot] == 0) return "a removed slot is not alive";
+        if (changed.test(slot)) return "a slot is removed twice";
+        changed.set(slot);
     }
-    report_error(ErrorCode::InvalidArgument, "no such broadphase method");
-    return nullptr;
+    bool beyond = false, ordered = true, finite = true, gone = false;
+    for (const std::uint32_t slot : changes.moved) {
+        if (slot >= n) {
+            beyond = true;
+            continue;
+        }
+        gone |= changed.test(slot);
+        ordered &= is_ordered(changes.bounds[slot]);
+        finite &= is_finite_box(changes.bounds[slot]);
+    }
+    if (beyond) return "a moved slot has no bounds";
+    if (gone) return "a slot is both moved and removed";
+    if (!finite) return "a bound is not finite";
+    return ordered ? nullptr : "a box has lower > upper";
+}
+
+void Broadphase::Impl::take_moved(const ProxyChanges& changes, std::uint32_t slot) {
+    const FloatAabb& box = changes.bounds[slot];
+    const ProxyFilter& filter = changes.filters[slot];
+    const bool is_new = table.alive[slot] == 0;
+    const bool same_filter = !is_new && table.filters[slot] == filter;
+    if ((same_filter && table.boxes[slot] == box) || changed.test(slot)) return;
+    changed.set(slot);
+    table.previous[slot] = same_filter ? table.boxes[slot] : kNowhere;
+    table.boxes[slot] = box;
+    if (!same_filter) {
+        table.filters[slot] = filter;
+        table.movable[slot] = filter.movable ? 1 : 0;
+        common_bits &= filter.layer & filter.mask;
+    }
+    if (is_new) {
+        table.alive[slot] = 1;
+        ++table.live_count;
+    }
+    (is_new ? inserted : moved).push_back(slot);
+}
+
+// The removed slots are marked as changed already.
+void Broadphase::Impl::take_over(const ProxyChanges& changes) {
+    const std::size_t n = std::max(changes.bounds.size(), table.boxes.size());
+    if (table.boxes.size() < n) {
+        table.boxes.resize(n, kNowhere);
+        table.previous.resize(n, kNowhere);
+        table.filters.resize(n);
+        table.movable.resize(n, 0);
+        table.alive.resize(n, 0);
+    }
+    moved.clear();
+    inserted.clear();
+    removed.assign(changes.removed.begin(), changes.removed.end());
+    for (const std::uint32_t slot : removed) {
+        table.boxes[slot] = kNowhere;
+        table.alive[slot] = 0;
+    }
+    table.live_count -= removed.size();
+    constexpr std::size_t kAhead = 12;  // slots may be anywhere in memory
+    for (std::size_t i = 0; i < changes.moved.size(); ++i) {
+        if (i + kAhead < changes.moved.size()) {
+            const std::uint32_t later = changes.moved[i + kAhead];
+            hwy::Prefetch(&changes.filters[later]);
+            hwy::Prefetch(&table.filters[later]);
+            hwy::Prefetch(&table.boxes[later]);
+            hwy::Prefetch(&table.previous[later]);
+        }
+        take_moved(changes, changes.moved[i]);
+    }
+}
+
+void Broadphase::Impl::drop_unwanted(Executor& executor) {
+    if (all_agree() && settings.callback.wanted == nullptr) return;
+    executor.parallel_for(pieces.count(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            pieces[k].keep_if([&](ProxyPair pair) { return wanted(pair); });
+        }
+    });
+}
+
+bool Broadphase::Impl::find_begun(const detail::ChangeLists& lists, Executor& executor) {
+    pieces.begin(0, settings.pair_limit);
+    method->find_moved(table, lists, executor, pieces);
+    if (pieces.is_full()) return false;
+    drop_unwanted(executor);
+    const bool check_wanted = !all_agree() || settings.callback.wanted != nullptr;
+    const auto ask = [this](ProxyPair pair) { return wanted(pair); };
+    const FunctionRef<bool(ProxyPair)> asked(ask);
+    return set.patch(pieces, changed, {table.boxes, check_wanted ? &asked : nullptr}, settings.pair_limit);
+}
+
+void Broadphase::Impl::append_row(std::uint32_t a, std::vector<ProxyPair>& out) const {
+    const std::size_t start = out.size();
+    method->visit_near(table, table.boxes[a], [&](std::uint32_t b) {
+        if (b > a && (table.movable[a] | table.movable[b]) != 0 && wanted({a, b})) out.push_back({a, b});
+        return true;
+    });
+    const auto first = out.begin() + static_cast<std::ptrdiff_t>(start);
+    std::make_heap(first, out.end());
+    std::sort_heap(first, out.end());
+}
+
+std::uint32_t Broadphase::Impl::list_first_rows() {
+    rows.clear();
+    for (std::uint32_t a = 0; a < table.boxes.size(); ++a) {
+        if (table.alive[a] == 0) continue;
+        append_row(a, rows);
+        if (rows.size() <= settings.pair_limit) continue;
+        rows.resize(settings.pair_limit);
+        return a;
+    }
+    return static_cast<std::uint32_t>(table.boxes.size());
+}
+
+void Broadphase::Impl::find_all(Executor& executor) {
+    pieces.begin(0, settings.pair_limit);
+    method->find_all(table, executor, pieces);
+    result.status = PairStatus::Complete;
+    result.complete_below = static_cast<std::uint32_t>(table.boxes.size());
+    if (!pieces.is_full()) {
+        drop_unwanted(executor);
+        set.replace(pieces, table.boxes.size(), executor);
+        return;
+    }
+    // Too many, at least before filters: row by row, so that the same pairs are kept whatever the method.
+    const std::uint32_t cut = list_first_rows();
+    set.replace(rows);
+    if (cut != result.complete_below) result.status = PairStatus::LimitReached;
+    result.complete_below = cut;
+}
+
+Broadphase::Broadphase(const BroadphaseSettings& settings) : impl_(std::make_unique<Impl>(settings)) {
+    if (!is_valid(settings.method)) {
+        impl_->settings.method = BroadphaseMethod::Automatic;
+        report_error(ErrorCode::InvalidArgument, "no such broadphase method");
+    }
+    if (settings.pair_limit == 0 || settings.pair_limit > kMostPairs) {
+        impl_->settings.pair_limit = std::clamp(settings.pair_limit, std::size_t{1}, kMostPairs);
+        report_error(ErrorCode::InvalidArgument, "pair_limit must be in 1..2^31");
+    }
+    const bool automatic = impl_->settings.method == BroadphaseMethod::Automatic;
+    impl_->use(automatic ? BroadphaseMethod::BruteForce : impl_->settings.method);
+}
+Broadphase::~Broadphase() = default;
+Broadphase::Broadphase(Broadphase&&) noexcept = default;
+Broadphase& Broadphase::operator=(Broadphase&&) noexcept = default;
+
+const PairUpdate& Broadphase::update(const ProxyChanges& changes, Executor& executor) {
+    Impl& w = *impl_;
+    const char* const fault = w.find_fault(changes);
+    CAROM_REQUIRE(fault == nullptr, ErrorCode::InvalidArgument, fault, w.result);
+    w.take_over(changes);
+    w.choose();
+    const detail::ChangeLists lists{w.moved, w.inserted, w.removed};
+    if (!w.built || w.result.status != PairStatus::Complete || w.method->prefers_all(w.table, lists)) {
+        w.find_all(executor);
+    } else if (w.moved.empty() && w.inserted.empty() && w.removed.empty()) {
+        w.set.keep();
+    } else if (!w.find_begun(lists, executor)) {
+        w.find_all(executor);
+    }
+    w.built = true;
+    w.result.pairs = w.set.pairs();
+    w.result.begun = w.set.begun();
+    w.result.ended = w.set.ended();
+    if (w.result.status == PairStatus::Complete) w.result.complete_below = static_cast<std::uint32_t>(w.table.boxes.size());
+    return w.result;
+}
+
+const PairUpdate& Broadphase::result() const noexcept { return impl_->result; }
+
+void Broadphase::clear() {
+    Impl& w = *impl_;
+    w.table.boxes.clear();
+    w.table.previous.clear();
+    w.table.filters.clear();
+    w.table.movable.clear();
+    w.table.alive.clear();
+    w.table.live_count = 0;
+    w.common_bits = ~std::uint64_t{0};
+    w.set.clear();
+    w.count_at_check = 0;
+    w.built = false;
+    w.result = {};
+}
+
+void Broadphase::stream_pairs(FunctionRef<bool(std::span<const ProxyPair> row)> visit) const {
+    const Impl& w = *impl_;
+    if (!w.built) return;
+    std::vector<ProxyPair> row;
+    for (std::uint32_t a = 0; a < w.table.boxes.size(); ++a) {
+        if (w.table.alive[a] == 0) continue;
+        row.clear();
+        w.append_row(a, row);
+        if (!row.empty() && !visit(row)) return;
+    }
+}
+
+void Broadphase::visit_where(FunctionRef<bool(const FloatAabb&)> touches, FunctionRef<bool(std::uint32_t)> visit) const {
+    if (impl_->built) impl_->method->visit_where(impl_->table, touches, visit);
+}
+
+FloatAabb Broadphase::box(std::uint32_t slot) const noexcept {
+    return slot < impl_->table.boxes.size() ? impl_->table.boxes[slot] : kNowhere;
+}
+
+BroadphaseMethod Broadphase::method() const noexcept { return impl_->in_use; }
+std::size_t Broadphase::live_count() const noexcept { return impl_->table.live_count; }
+
+std::size_t Broadphase::memory() const noexcept {
+    const Impl& w = *impl_;
+    return 2 * sizeof(FloatAabb) * w.table.boxes.capacity() + sizeof(ProxyFilter) * w.table.filters.capacity() +
+           2 * w.table.alive.capacity() +
+           sizeof(std::uint32_t) * (w.moved.capacity() + w.inserted.capacity() + w.removed.capacity() + w.changed.size()) +
+           w.pieces.memory() + w.set.memory() + sizeof(ProxyPair) * w.rows.capacity() + w.method->memory();
+}
+
+std::string Broadphase::reason() const {
+    const Impl& w = *impl_;
+    if (w.settings.method != BroadphaseMethod::Automatic) return "asked for";
+    return w.count_at_check == 0 ? "chosen at the first update" : describe(w.choice, w.scene);
 }
 
 }  // namespace carom

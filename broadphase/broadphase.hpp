@@ -1,65 +1,107 @@
-// Broadphase: bounds in, sorted unique pairs out. Every method stands behind this one interface.
+// Broadphase: bounds in, sorted unique pairs out, with what began and what ended. Every method stands behind this one class.
 //
-//   auto broadphase = make_broadphase(BroadphaseMethod::SweepAndPrune);
-//   std::span<const ProxyPair> pairs = broadphase->update(boxes, *executor);
+//   Broadphase broadphase;                                        // chooses its method by the scene
+//   const PairUpdate& found = broadphase.update({.bounds = boxes, .filters = filters, .moved = moved}, executor);
+//   for (const ProxyPair& pair : found.begun) { ... }
 #pragma once
 
-#include <carom/collision/aabb.hpp>
+#include <carom/broadphase/method.hpp>
+#include <carom/broadphase/proxy.hpp>
 #include <carom/core/executor.hpp>
-#include <carom/core/types.hpp>
+#include <carom/core/function_ref.hpp>
 
-#include <compare>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <span>
+#include <string>
 
 namespace carom {
 
-/// A closed box in float, relative to the broadphase's double origin [m].
-struct FloatAabb {
-    vec3 lower{0.0f};
-    vec3 upper{0.0f};
-    friend bool operator==(const FloatAabb&, const FloatAabb&) = default;
+/// A user's say in which pairs count: a pure function of the two slots, a < b. It may be called from any thread, any number of
+/// times; its answer may change only for slots that are listed as moved.
+struct PairCallback {
+    bool (*wanted)(void* context, ProxyPair pair) = nullptr;  ///< null: all are wanted
+    void* context = nullptr;
 };
 
-/// @return the smallest float box that holds `box` - `origin`: every bound rounded outward, so that boxes that overlap in
-/// exact arithmetic overlap here too.
-[[nodiscard]] FloatAabb round_outward(const Aabb& box, const dvec3& origin) noexcept;
-
-/// Which of two proxies may meet: they are tested if each one's `layer` shares a bit with the other's `mask` and at
-/// least one of them is movable.
-struct ProxyFilter {
-    std::uint64_t layer = 1;
-    std::uint64_t mask = ~std::uint64_t{0};
-    bool movable = true;
-    friend bool operator==(const ProxyFilter&, const ProxyFilter&) = default;
+struct BroadphaseSettings {
+    BroadphaseMethod method = BroadphaseMethod::Automatic;
+    /// No more pairs than this are kept; memory stays in proportion to it. 1 .. 2^31.
+    std::size_t pair_limit = std::size_t{1} << 27;
+    PairCallback callback{};
 };
 
-/// Two proxies by index into the bounds, a < b.
-struct ProxyPair {
-    std::uint32_t a = 0;
-    std::uint32_t b = 0;
-    friend auto operator<=>(const ProxyPair&, const ProxyPair&) = default;
+/// What changed since the update before. A slot is the caller's stable name of a box; it comes alive when it is first listed as
+/// moved and is free again once it is listed as removed.
+struct ProxyChanges {
+    std::span<const FloatAabb> bounds{};       ///< (n,) by slot; only those of moved slots are read
+    std::span<const ProxyFilter> filters{};    ///< (n,) likewise
+    std::span<const std::uint32_t> moved{};    ///< slots that are new, or whose box or filter changed; any order, repeats are harmless
+    std::span<const std::uint32_t> removed{};  ///< live slots that go, each once
 };
 
-enum class BroadphaseMethod { BruteForce, SweepAndPrune };
-[[nodiscard]] const char* to_string(BroadphaseMethod method) noexcept;
+enum class PairStatus : unsigned char {
+    Complete,
+    LimitReached,  ///< more than BroadphaseSettings::pair_limit overlap: `pairs` holds the first of them, in order
+};
 
-/// Finds the pairs of boxes that overlap (closed test) and whose filters agree.
+/// The pairs of live boxes that overlap (closed test of the boxes passed in) and may meet, each once, sorted by (a, b).
+/// The same lists for every method, number of threads and SIMD width. Valid until the next call of update or clear.
+struct PairUpdate {
+    std::span<const ProxyPair> pairs;
+    std::span<const ProxyPair> begun;  ///< in `pairs` now and not after the update before
+    std::span<const ProxyPair> ended;  ///< the other way round; of removed slots too
+    PairStatus status = PairStatus::Complete;
+    std::uint32_t complete_below = 0;  ///< pairs whose `a` is below this are all listed
+};
+
+/// Finds the pairs of boxes that overlap and whose filters agree, and keeps them up to date as the boxes move.
+///
+/// Planes and other unbounded shapes have no box: keep them in a list of their own and test it apart.
+/// Memory: O(live slots + pairs), docs/broadphase.md has the bytes. Cost: that page too.
 class Broadphase {
 public:
-    virtual ~Broadphase() = default;
-    [[nodiscard]] virtual BroadphaseMethod method() const noexcept = 0;
+    /// Settings out of range are misuse; the range's nearest end is then taken.
+    explicit Broadphase(const BroadphaseSettings& settings = {});
+    ~Broadphase();
+    Broadphase(Broadphase&&) noexcept;
+    Broadphase& operator=(Broadphase&&) noexcept;
 
-    /// @param bounds   (n,) finite, lower <= upper on every axis.
-    /// @param filters  (n,).
-    /// @return the pairs sorted by (a, b), each once; valid until the next call. On bad input (sizes that differ, NaN or
-    /// inverted bounds) reports misuse, changes nothing and returns the pairs of the call before.
-    /// The same list for every method, thread count and SIMD width.
-    virtual std::span<const ProxyPair> update(std::span<const FloatAabb> bounds, std::span<const ProxyFilter> filters,
-                                              Executor& executor) = 0;
+    /// Takes over the changes and finds the pairs. Bad input (sizes that differ, a slot beyond them, bounds that are NaN, infinite or
+    /// inverted, a removed slot that is not alive or also moved, 2^28 slots or more) is misuse: it is reported, nothing
+    /// changes, and the result of the update before is returned.
+    const PairUpdate& update(const ProxyChanges& changes, Executor& executor);
+
+    /// The result of the last update.
+    [[nodiscard]] const PairUpdate& result() const noexcept;
+
+    /// Removes every box and every pair, without events. Keeps its memory.
+    void clear();
+
+    /// Hands every pair to `visit`, row by row in order, without keeping any: for sets with more pairs than memory holds. Rows
+    /// are the pairs of one `a`. Stops when `visit` returns false.
+    void stream_pairs(FunctionRef<bool(std::span<const ProxyPair> row)> visit) const;
+
+    /// Visits the live slots for whose boxes `touches` is true, each once and in no promised order, until `visit` returns false. `touches`
+    /// must be true of every region that holds a box of which it is true; regions may be open, with bounds at infinity.
+    /// queries.hpp has the usual shapes. After update; const, so any number of threads may ask at once.
+    void visit_where(FunctionRef<bool(const FloatAabb& region)> touches, FunctionRef<bool(std::uint32_t slot)> visit) const;
+    /// The box of a live slot, as it was passed in; of any other a box that touches nothing.
+    [[nodiscard]] FloatAabb box(std::uint32_t slot) const noexcept;
+
+    /// The method in use: the one asked for, or the one chosen for the scene as it stands.
+    [[nodiscard]] BroadphaseMethod method() const noexcept;
+    /// Why this method, in one sentence.
+    [[nodiscard]] std::string reason() const;
+
+    [[nodiscard]] std::size_t live_count() const noexcept;
+    /// Memory in use by boxes, pairs and the method [bytes].
+    [[nodiscard]] std::size_t memory() const noexcept;
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
 };
-
-[[nodiscard]] std::unique_ptr<Broadphase> make_broadphase(BroadphaseMethod method);
 
 }  // namespace carom

@@ -1,4 +1,4 @@
-#include <carom/broadphase/broadphase.hpp>
+#include <carom/broadphase/proxy.hpp>
 
 #include <cmath>
 #include <limits>

@@ -4,10 +4,8 @@
 // against those that begin before it ends (Baraff 1992; Ericson, Real-Time Collision Detection, 2005, sec. 7.5). One axis
 // alone leaves hundreds of candidates a box in a pile, so the other two are cut into strips, and a box is listed in each
 // cell that it touches. A pair is reported in the first cell that both touch: on each axis, the first strip of one of them.
-#include <carom/broadphase/detail/methods.hpp>
+#include <carom/broadphase/detail/method.hpp>
 #include <carom/broadphase/detail/overlap_kernel.hpp>
-#include <carom/broadphase/detail/pair_list.hpp>
-#include <carom/core/check.hpp>
 #include <carom/core/radix_sort.hpp>
 
 #include <algorithm>
@@ -87,37 +85,57 @@ struct CellRange {
     std::uint32_t last[2];
 };
 
-class SweepAndPrune final : public Broadphase {
+class SweepAndPrune final : public Method {
 public:
-    [[nodiscard]] BroadphaseMethod method() const noexcept override { return BroadphaseMethod::SweepAndPrune; }
+    // The sweep is made anew each time; only its order is kept.
+    [[nodiscard]] bool prefers_all(const ProxyTable&, const ChangeLists&) const noexcept override { return true; }
 
-    std::span<const ProxyPair> update(std::span<const FloatAabb> bounds, std::span<const ProxyFilter> filters,
-                                      Executor& executor) override {
-        const char* const fault = find_fault(bounds, filters);
-        CAROM_REQUIRE(fault == nullptr, ErrorCode::InvalidArgument, fault, list_.pairs());
+    void find_all(const ProxyTable& table, Executor& executor, PairPieces& out) override {
+        list_live(table);
         std::size_t end = 0;
-        if (!bounds.empty()) {
-            choose_axes(bounds);
-            sort_along_axis(bounds);
-            end = list_in_cells(bounds, filters);
+        if (!bounds_.empty()) {
+            choose_axes(bounds_);
+            sort_along_axis(bounds_);
+            end = list_in_cells(bounds_);
+        } else {
+            order_.clear();
         }
         const std::size_t pieces = (end + kEntriesAPiece - 1) / kEntriesAPiece;
-        list_.begin(pieces);
+        out.begin(pieces, out.limit());
         executor.parallel_for(pieces, 1, [&](std::size_t first, std::size_t last) {
-            for (std::size_t k = first; k < last; ++k) {
-                find_overlaps(entries_, k * kEntriesAPiece, std::min((k + 1) * kEntriesAPiece, end), end, Order::Sorted,
-                              list_.piece(k));
+            for (std::size_t k = first; k < last && !out.is_full(); ++k) {
+                find_overlaps(entries_, k * kEntriesAPiece, std::min((k + 1) * kEntriesAPiece, end), end, Order::Sorted, out[k]);
+                out.found(out[k].size());
             }
         });
-        list_.finish(filters);
-        return list_.pairs();
+    }
+
+    void find_moved(const ProxyTable& table, const ChangeLists&, Executor& executor, PairPieces& out) override {
+        find_all(table, executor, out);
+    }
+
+    void visit_near(const ProxyTable& table, const FloatAabb& box, FunctionRef<bool(std::uint32_t)> visit) const override {
+        // Boxes by their lower ends: those that begin after the wanted one ends are left out.
+        const int axis = axes_[0];
+        for (const std::uint32_t i : order_) {
+            if (bounds_[i].lower[axis] > box.upper[axis]) return;
+            if (overlaps(table.boxes[slot_of_[i]], box) && !visit(slot_of_[i])) return;
+        }
+    }
+
+    [[nodiscard]] std::size_t memory() const noexcept override {
+        return entries_.memory() + sizeof(FloatAabb) * bounds_.capacity() +
+               sizeof(std::uint64_t) * (keys_.capacity() + sort_keys_.capacity() + next_.capacity() + scratch_.keys.capacity()) +
+               sizeof(std::uint32_t) * (order_.capacity() + slot_of_.capacity() + scratch_.payload.capacity()) +
+               sizeof(CellRange) * cells_.capacity();
     }
 
 private:
+    void list_live(const ProxyTable& table);
     void choose_axes(std::span<const FloatAabb> bounds);
     void sort_along_axis(std::span<const FloatAabb> bounds);
     bool mend_order();
-    std::size_t list_in_cells(std::span<const FloatAabb> bounds, std::span<const ProxyFilter> filters);
+    std::size_t list_in_cells(std::span<const FloatAabb> bounds);
 
     int axes_[3] = {0, 1, 2};          // swept, and the two that are cut
     Strips strips_[2];                 // of axes_[1] and axes_[2]
@@ -125,11 +143,25 @@ private:
     std::vector<std::uint64_t> sort_keys_;
     std::vector<std::uint32_t> order_;
     RadixScratch scratch_;
-    std::vector<CellRange> cells_;     // of each box
-    std::vector<std::size_t> next_;    // where each cell's next entry goes
+    std::vector<CellRange> cells_;   // of each box
+    std::vector<std::size_t> next_;  // where each cell's next entry goes
+    std::vector<FloatAabb> bounds_;  // of live slots, in their order
+    std::vector<std::uint32_t> slot_of_;
+    std::vector<Tag> tags_;
     Entries entries_;
-    PairList list_;
 };
+
+void SweepAndPrune::list_live(const ProxyTable& table) {
+    bounds_.clear();
+    slot_of_.clear();
+    tags_.clear();
+    for (std::size_t slot = 0; slot < table.boxes.size(); ++slot) {
+        if (table.alive[slot] == 0) continue;
+        bounds_.push_back(table.boxes[slot]);
+        slot_of_.push_back(static_cast<std::uint32_t>(slot));
+        tags_.push_back(static_cast<Tag>(slot) | (table.movable[slot] != 0 ? 0 : kImmovable));
+    }
+}
 
 void SweepAndPrune::choose_axes(std::span<const FloatAabb> bounds) {
     const Spread s[3] = {spread(bounds, 0), spread(bounds, 1), spread(bounds, 2)};
@@ -188,7 +220,7 @@ bool SweepAndPrune::mend_order() {
 }
 
 // @return the end of the last cell's entries.
-std::size_t SweepAndPrune::list_in_cells(std::span<const FloatAabb> bounds, std::span<const ProxyFilter> filters) {
+std::size_t SweepAndPrune::list_in_cells(std::span<const FloatAabb> bounds) {
     const std::size_t n = bounds.size();
     const std::size_t columns = strips_[1].count(), cells = strips_[0].count() * columns;
     cells_.resize(n);
@@ -208,7 +240,7 @@ std::size_t SweepAndPrune::list_in_cells(std::span<const FloatAabb> bounds, std:
     entries_.grow(end);
     for (const std::uint32_t box : order_) {
         const CellRange range = cells_[box];
-        const Tag tag = box | (filters[box].movable ? 0 : kImmovable);
+        const Tag tag = tags_[box];
         for (std::size_t r = range.first[0]; r <= range.last[0]; ++r) {
             const Tag row_tag = tag | (r == range.first[0] ? 0 : kNotHome1);
             for (std::size_t c = range.first[1]; c <= range.last[1]; ++c) {
@@ -223,6 +255,6 @@ std::size_t SweepAndPrune::list_in_cells(std::span<const FloatAabb> bounds, std:
 
 }  // namespace
 
-std::unique_ptr<Broadphase> make_sweep_and_prune() { return std::make_unique<SweepAndPrune>(); }
+std::unique_ptr<Method> make_sweep_and_prune() { return std::make_unique<SweepAndPrune>(); }
 
 }  // namespace carom::detail

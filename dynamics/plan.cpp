@@ -67,7 +67,7 @@ Plan World::plan() const {
         const bool everything = def.plan == PlanMode::Everything;
         plan.entries.push_back({stage, runs(stage, choices, def), reason_for(stage, choices, def, everything)});
     }
-    plan.settings.push_back(std::string("broadphase: ") + to_string(def.broadphase));
+    plan.settings.push_back(std::string("broadphase: ") + to_string(impl_->broadphase.method()) + ": " + impl_->broadphase.reason());
     plan.settings.push_back(sentence("substeps: %.0f a step", def.substeps));
     plan.settings.push_back(sentence("contacts as springs of %.4g times the substep rate", def.contact_rate));
     plan.settings.push_back(sentence("damping ratio of contacts: %.4g", def.contact_damping));

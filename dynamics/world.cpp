@@ -70,16 +70,14 @@ Status validate(const WorldDef& def) {
         return fault(ErrorCode::InvalidArgument, "contact_damping must not be negative");
     }
     if (!is_finite(def.max_push) || def.max_push < 0.0) return fault(ErrorCode::InvalidArgument, "max_push must not be negative");
-    if (def.broadphase != BroadphaseMethod::BruteForce && def.broadphase != BroadphaseMethod::SweepAndPrune) {
-        return fault(ErrorCode::InvalidArgument, "no such broadphase");
-    }
+    if (!is_valid(def.broadphase)) return fault(ErrorCode::InvalidArgument, "no such broadphase");
     if (def.plan != PlanMode::Automatic && def.plan != PlanMode::Everything) {
         return fault(ErrorCode::InvalidArgument, "no such plan mode");
     }
     return {};
 }
 
-World::Impl::Impl(const WorldDef& settings) : def(settings), broadphase(make_broadphase(settings.broadphase)) {}
+World::Impl::Impl(const WorldDef& settings) : def(settings), broadphase({.method = settings.broadphase}) {}
 
 World::World(const WorldDef& def) : impl_(std::make_unique<Impl>(checked(def))) {}
 World::~World() = default;
@@ -231,6 +229,7 @@ void World::Impl::refresh_proxies() {
     }
     proxies.origin = dynamics::middle_of_motion(proxies, arrays);
     proxies.static_boxes_stale = true;
+    broadphase.clear();  // the shapes are numbered anew
     proxies_stale = false;
     choices = choose();
 }

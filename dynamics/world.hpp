@@ -30,7 +30,7 @@ struct WorldDef {
     dvec3 gravity{0.0, -9.81, 0.0};   ///< [m/s²]
     int substeps = 8;                 ///< per step, 1..1024
     Executor* executor = nullptr;     ///< null: serial. Not owned; must outlive the world
-    BroadphaseMethod broadphase = BroadphaseMethod::SweepAndPrune;
+    BroadphaseMethod broadphase = BroadphaseMethod::Automatic;
     PlanMode plan = PlanMode::Automatic;
     double contact_rate = 0.1875;     ///< frequency of soft contacts over the substep rate 1/h, in (0, 0.25]: 90 Hz at h = 1/480 s;
                                       ///< doubled against static bodies

@@ -89,8 +89,9 @@ StepReport World::step(double dt) {
     if (choices.contacts) {
         step.run(Stage::Bounds, [&] { dynamics::update_swept_bounds(w.proxies, w.arrays, motion, executor); });
         step.run(Stage::Pairs, [&] {
-            const std::span<const ProxyPair> found = w.broadphase->update(w.proxies.boxes, w.proxies.filters, executor);
-            dynamics::gather_pairs(w.proxies, w.arrays, found, dt, w.contacts.pairs);
+            const ProxyChanges changes{w.proxies.boxes, w.proxies.filters, w.proxies.moved, {}};
+            const PairUpdate& found = w.broadphase.update(changes, executor);
+            dynamics::gather_pairs(w.proxies, w.arrays, found.pairs, dt, w.contacts.pairs);
         });
         step.run(Stage::Collide, [&] {
             dynamics::list_shape_pairs(w.proxies, w.arrays, w.contacts.pairs, dt, executor, w.shape_pairs);

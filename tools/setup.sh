@@ -15,7 +15,7 @@ packages_of() {
         # VTK draws through X and OpenGL: Xvfb is the display, Mesa's llvmpipe the graphics card, xauth is what xvfb-run needs.
         viz) echo "libvtk9-dev libx11-dev xvfb xauth libgl1-mesa-dri libglx-mesa0" ;;
         bench) echo "libbenchmark-dev" ;;
-        peers) echo "libbullet-dev libode-dev libembree-dev" ;;
+        peers) echo "libbullet-dev libode-dev libembree-dev libfcl-dev libcgal-dev" ;;
         fuzz) echo "clang-16 libclang-rt-16-dev" ;;  # as for tidy
         format) echo "clang-format-14" ;;
         tidy) echo "clang-tidy-16" ;;  # the first in Debian 12 that knows std::source_location

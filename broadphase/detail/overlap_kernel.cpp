@@ -7,20 +7,13 @@
 #include <carom/broadphase/detail/overlap_kernel.hpp>
 #include <carom/core/lanes.hpp>
 
+#include <carom/broadphase/detail/scan.hpp>
+
 HWY_BEFORE_NAMESPACE();
 namespace carom::detail::HWY_NAMESPACE {
 namespace {
 
 using namespace carom::HWY_NAMESPACE;
-
-// Adds the pairs of `mine` with the lanes of `hit`, without a branch on how many there are.
-HWY_INLINE void add_pairs(Ints mine, Ints others, Mask hit, PairBuffer& out) {
-    out.make_room(kLanes);
-    const Mask before = mine < others;
-    const std::size_t count = compress_store(select(before, mine, others), hit, out.next_lesser());
-    compress_store(select(before, others, mine), hit, out.next_greater());
-    out.added(count);
-}
 
 template <bool sorted>
 void overlaps_of_range(const Entries& e, std::size_t begin, std::size_t end, std::size_t last, PairBuffer& out) {
@@ -32,7 +25,7 @@ void overlaps_of_range(const Entries& e, std::size_t begin, std::size_t end, std
     const float* const upper2 = e.upper[2].data();
     const std::int32_t* const tag = e.tag.data();
     const Ints barred{static_cast<std::int32_t>(~kIndexMask)}, index{static_cast<std::int32_t>(kIndexMask)};
-    for (std::size_t i = begin; i < end; ++i) {
+    for (std::size_t i = begin; i < end && !out.is_full(); ++i) {
         const Floats my_lower0 = lower0[i], my_lower1 = lower1[i], my_lower2 = lower2[i];
         const Floats my_upper0 = upper0[i], my_upper1 = upper1[i], my_upper2 = upper2[i];
         const Ints my_tag = tag[i];
@@ -58,6 +51,13 @@ void overlaps_any(const Entries& e, std::size_t begin, std::size_t end, std::siz
     overlaps_of_range<false>(e, begin, end, last, out);
 }
 
+void begun_of_movers(const Entries& e, std::size_t end, std::span<const Mover> movers, PairBuffer& out) {
+    for (const Mover& m : movers) {
+        if (out.is_full()) return;
+        scan_begun(e, 0, end, MovedBox(m), out);
+    }
+}
+
 }  // namespace
 }  // namespace carom::detail::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -70,9 +70,13 @@ namespace carom::detail {
 
 HWY_EXPORT(overlaps_sorted);
 HWY_EXPORT(overlaps_any);
+HWY_EXPORT(begun_of_movers);
 
-void find_overlaps(const Entries& entries, std::size_t begin, std::size_t end, std::size_t last, Order order,
-                   PairBuffer& out) {
+void find_begun(const Entries& entries, std::size_t end, std::span<const Mover> movers, PairBuffer& out) {
+    HWY_DYNAMIC_DISPATCH(begun_of_movers)(entries, end, movers, out);
+}
+
+void find_overlaps(const Entries& entries, std::size_t begin, std::size_t end, std::size_t last, Order order, PairBuffer& out) {
     if (order == Order::Sorted) {
         HWY_DYNAMIC_DISPATCH(overlaps_sorted)(entries, begin, end, last, out);
     } else {
@@ -100,12 +104,6 @@ void Entries::close(std::size_t end) noexcept {
         }
         tag[i] = 0;
     }
-}
-
-void PairBuffer::grow(std::size_t count) {
-    const std::size_t doubled = 2 * lesser_.size(), needed = count_ + count;
-    lesser_.resize(doubled > needed ? doubled : needed);
-    greater_.resize(lesser_.size());
 }
 
 }  // namespace carom::detail

@@ -78,11 +78,16 @@ void update_swept_bounds(ProxySet& proxies, const BodyArrays& bodies, const Moti
     proxies.boxes.resize(count);
     proxies.motion.resize(count);
     proxies.poses.resize(count);
-    executor.parallel_for(count, kGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
+    proxies.moved.clear();
+    for (std::size_t i = 0; i < count; ++i) {
+        const bool stays = bodies.roles[proxies.bounded[i].body] == Role::Static && !proxies.static_boxes_stale;
+        if (!stays) proxies.moved.push_back(static_cast<std::uint32_t>(i));
+    }
+    executor.parallel_for(proxies.moved.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            const std::uint32_t i = proxies.moved[k];
             const Proxy& proxy = proxies.bounded[i];
             const Role role = bodies.roles[proxy.body];
-            if (role == Role::Static && !proxies.static_boxes_stale) continue;
             const BodyState& state = bodies.states[proxy.body];
             proxies.poses[i] = state.pose * proxy.local;
             proxies.boxes[i] = round_outward(swept_box(proxy, proxies.poses[i], state, motion), proxies.origin);

@@ -52,6 +52,7 @@ struct ProxySet {
     std::vector<Proxy> unbounded;     ///< planes: the side list
     std::vector<FloatAabb> boxes;     ///< of `bounded`, over the predicted motion, relative to `origin`
     std::vector<ProxyFilter> filters; ///< of `bounded`
+    std::vector<std::uint32_t> moved; ///< of `bounded`, those whose boxes were made anew
     std::vector<Pose> poses;          ///< of `bounded`, in the world
     std::vector<double> motion;       ///< of `bounded`: how far any point may move in the step [m]
     dvec3 origin{0.0};                ///< of the boxes
@@ -65,7 +66,7 @@ struct Motion {
 };
 
 /// Boxes around the predicted motion: v dt along the velocity, |g| dt² + r min(|w| dt, 2) all round.
-/// Fills in boxes, poses and motion.
+/// Fills in boxes, poses, motion and moved.
 void update_swept_bounds(ProxySet& proxies, const BodyArrays& bodies, const Motion& motion, Executor& executor);
 
 /// @return the middle of the dynamic shapes: the origin about which float boxes lose least.

@@ -82,7 +82,7 @@ struct World::Impl {
     bool proxies_stale = true;
     dynamics::StepChoices choices;  // of the next step; valid while proxies are not stale
     dynamics::ProxySet proxies;
-    std::unique_ptr<Broadphase> broadphase;
+    Broadphase broadphase;
     std::vector<ShapePair> shape_pairs;
     CollideScratch collide_scratch;
     dynamics::ContactSet contacts, previous;

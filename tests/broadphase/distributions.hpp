@@ -11,30 +11,32 @@
 namespace carom::test {
 
 enum class Distribution { Uniform, Clustered, Planar, Stacked, Line, Coincident, Touching, Mixed, Points };
-inline constexpr Distribution kDistributions[] = {Distribution::Uniform,  Distribution::Clustered,  Distribution::Planar,
-                                                  Distribution::Stacked,  Distribution::Line,       Distribution::Coincident,
-                                                  Distribution::Touching, Distribution::Mixed,      Distribution::Points};
+inline constexpr Distribution kDistributions[] = {Distribution::Uniform,  Distribution::Clustered, Distribution::Planar,
+                                                  Distribution::Stacked,  Distribution::Line,      Distribution::Coincident,
+                                                  Distribution::Touching, Distribution::Mixed,     Distribution::Points};
 
-inline FloatAabb box_about(const dvec3& centre, const dvec3& half) {
-    return {vec3(centre - half), vec3(centre + half)};
-}
+inline FloatAabb box_about(const dvec3& centre, const dvec3& half) { return {vec3(centre - half), vec3(centre + half)}; }
 
 inline FloatAabb random_box(Distribution kind, Random& random, std::size_t i) {
     const auto x = [&](double size) { return random.range(-size, size); };
     const dvec3 half{random.range(0.1, 0.6), random.range(0.1, 0.6), random.range(0.1, 0.6)};
     switch (kind) {
-        case Distribution::Uniform: return box_about({x(8), x(6), x(4)}, half);
+        case Distribution::Uniform:
+            return box_about({x(8), x(6), x(4)}, half);
         case Distribution::Clustered: {
             const double c = static_cast<double>(i % 3) * 100.0;
             return box_about({c + x(1.5), x(1.5) - c, x(1.5)}, half);
         }
-        case Distribution::Planar: return box_about({x(10), 0.0, x(10)}, half);
+        case Distribution::Planar:
+            return box_about({x(10), 0.0, x(10)}, half);
         case Distribution::Stacked: {
             const auto k = static_cast<double>(i % 40);
             return box_about({0.3 * x(1), k + 0.01 * x(1), static_cast<double>(i / 40) * 1.1}, {0.51, 0.51, 0.51});
         }
-        case Distribution::Line: return box_about({0.0, x(60), 0.0}, half);
-        case Distribution::Coincident: return box_about({1.0, 2.0, 3.0}, {0.5, 0.5, 0.5});
+        case Distribution::Line:
+            return box_about({0.0, x(60), 0.0}, half);
+        case Distribution::Coincident:
+            return box_about({1.0, 2.0, 3.0}, {0.5, 0.5, 0.5});
         case Distribution::Touching: {  // faces, edges and corners meet exactly
             const auto k = static_cast<float>(i % 7), m = static_cast<float>((i / 7) % 7), l = static_cast<float>(i / 49);
             return {{k, m, l}, {k + 1.0f, m + 1.0f, l + 1.0f}};

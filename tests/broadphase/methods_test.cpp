@@ -1,5 +1,6 @@
-// Every method gives the oracle's list: on every distribution, over moving frames, at every SIMD width and thread count.
-#include "broadphase/distributions.hpp"
+// Every method gives the oracle's pairs and events: on every distribution, over frames of motion, insertion and removal, at every
+// SIMD width and thread count.
+#include "broadphase/crowd.hpp"
 
 #include <carom/broadphase/broadphase.hpp>
 #include <carom/core/check.hpp>
@@ -14,6 +15,7 @@
 namespace carom {
 namespace {
 
+using test::Crowd;
 using test::Distribution;
 
 /// Cuts loops into ranges of odd sizes on three threads, so that pieces are made in no fixed order.
@@ -33,106 +35,170 @@ public:
 
 std::vector<ProxyPair> copy(std::span<const ProxyPair> pairs) { return {pairs.begin(), pairs.end()}; }
 
-class Methods : public ::testing::TestWithParam<BroadphaseMethod> {};
+std::vector<std::uint32_t> all_slots(std::size_t n) {
+    std::vector<std::uint32_t> slots(n);
+    for (std::size_t i = 0; i < n; ++i) slots[i] = static_cast<std::uint32_t>(i);
+    return slots;
+}
 
-TEST_P(Methods, GiveTheOraclesListOverMovingFrames) {
-    SerialExecutor executor;
+class Methods : public ::testing::TestWithParam<BroadphaseMethod> {
+protected:
+    [[nodiscard]] Broadphase make() const { return Broadphase({.method = GetParam()}); }
+    SerialExecutor serial;
+};
+
+TEST_P(Methods, GiveTheOraclesPairsAndEventsOverChangingFrames) {
     for (const Distribution kind : test::kDistributions) {
         for (const bool filtered : {false, true}) {
-            const std::size_t n = kind == Distribution::Coincident ? 150 : 343;
-            auto boxes = test::random_boxes(kind, n, 0xb0 + static_cast<std::uint64_t>(kind));
-            const auto filters = filtered ? test::random_filters(n, 17) : std::vector<ProxyFilter>(n);
-            const auto broadphase = make_broadphase(GetParam());
-            Random random(0x3a3);
-            for (int frame = 0; frame < 12; ++frame) {
-                const auto pairs = copy(broadphase->update(boxes, filters, executor));
-                ASSERT_EQ(pairs, test::all_pairs(boxes, filters)) << "distribution " << int(kind) << ", frame " << frame;
-                test::move(boxes, random);
+            const std::size_t n = kind == Distribution::Coincident ? 90 : 260;
+            const auto seed = 0xb0 + static_cast<std::uint64_t>(kind);
+            Crowd crowd(kind, n, seed, filtered);
+            Broadphase broadphase = make();
+            Random random(seed);
+            for (int frame = 0; frame < 60; ++frame) {
+                SCOPED_TRACE(testing::Message() << "distribution " << int(kind) << ", frame " << frame);
+                ASSERT_NO_FATAL_FAILURE(crowd.check(broadphase, serial));
+                // Long stretches of few movers, then many; now and then all go and come back.
+                const double moving = frame % 20 < 14 ? 0.04 : (frame % 20 < 17 ? 0.2 : 0.9);
+                if (frame % 25 == 23 || frame % 25 == 24) {
+                    crowd.all_at_once(frame % 25 == 24);
+                } else {
+                    crowd.change(random, moving, frame % 5 == 0 ? 0.0 : 0.02);
+                }
             }
         }
     }
 }
 
+TEST_P(Methods, KeepUpWithBoxesThatDriftGrowAndLeave) {
+    // All boxes drift the same way out of where the method was set up, one grows over all others, another shrinks to a point.
+    Crowd crowd(Distribution::Uniform, 300, 3, false);
+    Broadphase broadphase = make();
+    Random random(4);
+    ASSERT_NO_FATAL_FAILURE(crowd.check(broadphase, serial));
+    for (int frame = 0; frame < 80; ++frame) {
+        crowd.change(random, 0.1, 0.01);
+        for (std::uint32_t i = 0; i < 30; ++i) crowd.move_by(i, vec3{0.7f, 0.3f, -0.2f});
+        crowd.scale(31, 1.2f);
+        crowd.scale(32, 0.5f);
+        SCOPED_TRACE(frame);
+        ASSERT_NO_FATAL_FAILURE(crowd.check(broadphase, serial));
+    }
+}
+
 TEST_P(Methods, GiveTheOraclesListForEveryCount) {
-    SerialExecutor executor;
-    const auto broadphase = make_broadphase(GetParam());  // one object, sizes going up and down
+    Broadphase broadphase = make();  // one object, sizes going up and down
     for (const std::size_t n : {0u, 1u, 2u, 3u, 15u, 16u, 17u, 31u, 33u, 64u, 130u, 600u, 5u, 0u, 200u}) {
         const auto boxes = test::random_boxes(Distribution::Uniform, n, n);
         const std::vector<ProxyFilter> filters(n);
-        ASSERT_EQ(copy(broadphase->update(boxes, filters, executor)), test::all_pairs(boxes, filters)) << n;
+        broadphase.clear();
+        ASSERT_EQ(copy(broadphase.update({boxes, filters, all_slots(n), {}}, serial).pairs), test::all_pairs(boxes, filters)) << n;
+        ASSERT_EQ(broadphase.result().begun.size(), broadphase.result().pairs.size());
+        ASSERT_TRUE(broadphase.update({boxes, filters, {}, {}}, serial).begun.empty());
     }
 }
 
 TEST_P(Methods, AreTheSameAtEveryWidthAndOnManyThreads) {
-    SerialExecutor serial;
     ScatteringExecutor scattering;
     for (const Distribution kind : test::kDistributions) {
-        const std::size_t n = kind == Distribution::Coincident ? 200 : 1200;
-        const auto boxes = test::random_boxes(kind, n, 0xd0 + static_cast<std::uint64_t>(kind));
-        const auto filters = test::random_filters(n, 18);
-        const auto want = copy(make_broadphase(GetParam())->update(boxes, filters, serial));
+        const std::size_t n = kind == Distribution::Coincident ? 100 : 500;
         for (const int width : available_simd_widths()) {
             set_simd_width(width);
-            EXPECT_EQ(copy(make_broadphase(GetParam())->update(boxes, filters, serial)), want) << "width " << width;
-            EXPECT_EQ(copy(make_broadphase(GetParam())->update(boxes, filters, scattering)), want) << "width " << width;
+            SCOPED_TRACE(testing::Message() << "distribution " << int(kind) << ", width " << width);
+            Crowd crowd(kind, n, 0xd0, true);
+            Broadphase broadphase = make();
+            Random random(5);
+            for (int frame = 0; frame < 4; ++frame) {
+                ASSERT_NO_FATAL_FAILURE(crowd.check(broadphase, frame % 2 == 0 ? static_cast<Executor&>(scattering) : serial));
+                crowd.change(random, 0.1, 0.02);
+            }
         }
         set_simd_width(0);
     }
 }
 
-TEST_P(Methods, ReportsWhichTheyAre) { EXPECT_EQ(make_broadphase(GetParam())->method(), GetParam()); }
+TEST_P(Methods, ReportWhichTheyAre) { EXPECT_EQ(make().method(), GetParam()); }
 
-TEST_P(Methods, RefuseBadInputAndKeepTheListBefore) {
-    SerialExecutor executor;
+TEST_P(Methods, RefuseBadInputAndStayAsTheyWere) {
     const auto boxes = test::random_boxes(Distribution::Uniform, 200, 1);
     const std::vector<ProxyFilter> filters(200);
-    const auto broadphase = make_broadphase(GetParam());
-    const auto want = copy(broadphase->update(boxes, filters, executor));
+    const auto all = all_slots(200);
+    Broadphase broadphase = make();
+    const auto want = copy(broadphase.update({boxes, filters, all, {}}, serial).pairs);
     ASSERT_FALSE(want.empty());
 
     const ErrorHandler before = set_error_handler([](const Error&) {});
-    EXPECT_EQ(copy(broadphase->update(boxes, std::span(filters).first(199), executor)), want);
+    const auto refuses = [&](const ProxyChanges& changes) {
+        return copy(broadphase.update(changes, serial).pairs) == want && broadphase.live_count() == 200;
+    };
+    EXPECT_TRUE(refuses({boxes, std::span(filters).first(199), all, {}}));
     const float bad[] = {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),
                          -std::numeric_limits<float>::infinity()};
     for (int k = 0; k < 3; ++k) {
         for (const float x : bad) {
             auto broken = boxes;
             broken[77].lower[k] = x;
-            EXPECT_EQ(copy(broadphase->update(broken, filters, executor)), want);
+            EXPECT_TRUE(refuses({broken, filters, all, {}}));
             broken = boxes;
             broken[199].upper[k] = x;
-            EXPECT_EQ(copy(broadphase->update(broken, filters, executor)), want);
+            EXPECT_TRUE(refuses({broken, filters, all, {}}));
             broken[199].lower[k] = x;
-            EXPECT_EQ(copy(broadphase->update(broken, filters, executor)), want);
+            EXPECT_TRUE(refuses({broken, filters, all, {}}));
         }
         auto inverted = boxes;
         std::swap(inverted[3].lower[k], inverted[3].upper[k]);
-        EXPECT_EQ(copy(broadphase->update(inverted, filters, executor)), want);
+        EXPECT_TRUE(refuses({inverted, filters, all, {}}));
     }
+    const std::uint32_t beyond[] = {200}, five[] = {5}, twice[] = {5, 5};
+    EXPECT_TRUE(refuses({boxes, filters, beyond, {}}));
+    EXPECT_TRUE(refuses({boxes, filters, {}, beyond}));
+    EXPECT_TRUE(refuses({boxes, filters, five, five}));
+    EXPECT_TRUE(refuses({boxes, filters, {}, twice}));
     set_error_handler(before);
-    auto inverted = boxes;
-    std::swap(inverted[0].lower, inverted[0].upper);
-    EXPECT_THROW(broadphase->update(inverted, filters, executor), MisuseError);
-    EXPECT_THROW(broadphase->update({}, filters, executor), MisuseError);
-    EXPECT_EQ(copy(broadphase->update(boxes, filters, executor)), want);
+    EXPECT_THROW(broadphase.update({boxes, filters, beyond, {}}, serial), MisuseError);
+    EXPECT_EQ(copy(broadphase.update({boxes, filters, all, {}}, serial).pairs), want);
+    broadphase.update({boxes, filters, {}, five}, serial);
+    EXPECT_THROW(broadphase.update({boxes, filters, {}, five}, serial), MisuseError);  // it is gone already
 }
 
 TEST_P(Methods, TakeTheWholeRangeOfFloat) {
-    SerialExecutor executor;
     constexpr float kMax = std::numeric_limits<float>::max();
-    std::vector<FloatAabb> boxes{{vec3{-kMax}, vec3{kMax}}, {vec3{kMax}, vec3{kMax}}, {vec3{-kMax}, vec3{-kMax}},
-                                 {vec3{0.0f}, vec3{0.0f}},  {vec3{-0x1p-149f}, vec3{-0.0f}}};
+    std::vector<FloatAabb> boxes{{vec3{-kMax}, vec3{kMax}},
+                                 {vec3{kMax}, vec3{kMax}},
+                                 {vec3{-kMax}, vec3{-kMax}},
+                                 {vec3{0.0f}, vec3{0.0f}},
+                                 {vec3{-0x1p-149f}, vec3{-0.0f}}};
     for (int i = 0; i < 200; ++i) boxes.push_back({vec3{static_cast<float>(i) * 1e36f}, vec3{static_cast<float>(i + 1) * 1e36f}});
     const std::vector<ProxyFilter> filters(boxes.size());
-    EXPECT_EQ(copy(make_broadphase(GetParam())->update(boxes, filters, executor)), test::all_pairs(boxes, filters));
+    Broadphase broadphase = make();
+    EXPECT_EQ(copy(broadphase.update({boxes, filters, all_slots(boxes.size()), {}}, serial).pairs), test::all_pairs(boxes, filters));
+    const std::uint32_t moved[] = {1, 4, 20};
+    boxes[1] = {vec3{-kMax}, vec3{0.0f}};
+    boxes[4] = {vec3{0.0f}, vec3{0x1p-149f}};
+    boxes[20] = {vec3{kMax}, vec3{kMax}};
+    EXPECT_EQ(copy(broadphase.update({boxes, filters, moved, {}}, serial).pairs), test::all_pairs(boxes, filters));
 }
 
-INSTANTIATE_TEST_SUITE_P(All, Methods, ::testing::Values(BroadphaseMethod::BruteForce, BroadphaseMethod::SweepAndPrune),
+TEST_P(Methods, AskTheUsersCallback) {
+    const auto boxes = test::random_boxes(Distribution::Clustered, 200, 9);
+    const std::vector<ProxyFilter> filters(200);
+    const auto odd_sum = [](void* context, ProxyPair pair) { return (pair.a + pair.b) % 2 == *static_cast<std::uint32_t*>(context); };
+    std::uint32_t wanted = 1;
+    Broadphase broadphase({.method = GetParam(), .callback = {odd_sum, &wanted}});
+    auto want = test::all_pairs(boxes, filters);
+    std::erase_if(want, [](const ProxyPair& pair) { return (pair.a + pair.b) % 2 != 1; });
+    ASSERT_FALSE(want.empty());
+    EXPECT_EQ(copy(broadphase.update({boxes, filters, all_slots(200), {}}, serial).pairs), want);
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Methods, ::testing::ValuesIn(kBroadphaseMethods),
                          [](const auto& tested) { return std::string(to_string(tested.param)); });
 
-TEST(MakeBroadphase, RefusesWhatIsNotAMethod) {
-    EXPECT_THROW(static_cast<void>(make_broadphase(static_cast<BroadphaseMethod>(99))), MisuseError);
+TEST(BroadphaseSettings, OutOfRangeAreMisuse) {
+    EXPECT_THROW(Broadphase({.method = static_cast<BroadphaseMethod>(99)}), MisuseError);
+    EXPECT_THROW(Broadphase({.pair_limit = 0}), MisuseError);
     EXPECT_STREQ(to_string(static_cast<BroadphaseMethod>(99)), "unknown");
+    EXPECT_FALSE(is_valid(static_cast<BroadphaseMethod>(99)));
 }
 
 }  // namespace

@@ -1,9 +1,9 @@
 // round_outward against exact rational arithmetic: it holds the box, and the next smaller float would not.
-#include <carom/broadphase/broadphase.hpp>
+#include <carom/broadphase/proxy.hpp>
 #include <carom/core/random.hpp>
 
-#include <boost/multiprecision/cpp_int.hpp>
 #include <gtest/gtest.h>
+#include <boost/multiprecision/cpp_int.hpp>
 
 #include <cmath>
 #include <limits>

@@ -7,6 +7,7 @@ int main() {
     const std::array<carom::FloatAabb, 2> bounds{{{{0, 0, 0}, {1, 1, 1}}, {{1, 1, 1}, {2, 2, 2}}}};
     const std::array<carom::ProxyFilter, 2> filters{};
     carom::SerialExecutor executor;
-    const auto broadphase = carom::make_broadphase(carom::BroadphaseMethod::SweepAndPrune);
-    return broadphase->update(bounds, filters, executor).size() == 1 ? 0 : 1;
+    carom::Broadphase broadphase;
+    const std::array<std::uint32_t, 2> moved{0, 1};
+    return broadphase.update({.bounds = bounds, .filters = filters, .moved = moved}, executor).pairs.size() == 1 ? 0 : 1;
 }

@@ -1,0 +1,102 @@
+// The sorted list of pairs, and how it changes: made anew, or patched where boxes moved.
+//
+//   set.replace(pieces, slots, executor);                          // all pairs, found anew
+//   set.patch(pieces, [&](a, b) { return still_overlap; }, ...);   // only what began; what ended is found here
+#pragma once
+
+#include <carom/broadphase/detail/pair_pieces.hpp>
+#include <carom/broadphase/proxy.hpp>
+#include <carom/core/executor.hpp>
+#include <carom/core/function_ref.hpp>
+#include <carom/core/radix_sort.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace carom::detail {
+
+/// @return the pair as a number that sorts like it.
+[[nodiscard]] inline std::uint64_t key_of(const ProxyPair& pair) noexcept { return (std::uint64_t{pair.a} << 32) | pair.b; }
+
+/// One bit a slot: which were changed.
+class SlotBits {
+public:
+    /// All zero, for slots below `count`.
+    void reset(std::size_t count) { words_.assign(count / 32 + 2, 0); }
+    void set(std::uint32_t slot) noexcept { words_[slot >> 5] |= std::int32_t(std::uint32_t{1} << (slot & 31u)); }
+    void clear(std::uint32_t slot) noexcept { words_[slot >> 5] &= ~std::int32_t(std::uint32_t{1} << (slot & 31u)); }
+    [[nodiscard]] bool test(std::uint32_t slot) const noexcept {
+        return ((static_cast<std::uint32_t>(words_[slot >> 5]) >> (slot & 31u)) & 1u) != 0;
+    }
+    [[nodiscard]] const std::int32_t* words() const noexcept { return words_.data(); }
+    [[nodiscard]] std::size_t size() const noexcept { return words_.size(); }
+
+private:
+    std::vector<std::int32_t> words_;
+};
+
+class PairSet {
+public:
+    [[nodiscard]] std::span<const ProxyPair> pairs() const noexcept { return {pairs_.data(), count_}; }
+    [[nodiscard]] std::span<const ProxyPair> begun() const noexcept { return begun_; }
+    [[nodiscard]] std::span<const ProxyPair> ended() const noexcept { return {ended_.data(), ended_.size()}; }
+
+    void clear() noexcept;
+    /// Nothing began and nothing ended.
+    void keep() noexcept;
+
+    /// The pairs in the pieces, each once, are all there are; slots are below `slots`.
+    void replace(const PairPieces& found, std::size_t slots, Executor& executor);
+    /// The same with a list that is sorted already.
+    void replace(std::span<const ProxyPair> sorted);
+
+    /// What decides whether a pair with a changed slot stays: its boxes overlap, and `wanted`, if there is one, says yes.
+    struct Keep {
+        std::span<const FloatAabb> boxes;
+        const FunctionRef<bool(ProxyPair)>* wanted = nullptr;
+        [[nodiscard]] bool operator()(ProxyPair pair) const {
+            return overlaps(boxes[pair.a], boxes[pair.b]) && (wanted == nullptr || (*wanted)(pair));
+        }
+    };
+    /// Pairs with a changed slot stay only if `keep` says so; the pairs in the pieces, in any order and some more than once or there
+    /// already, are added. @return false where that would be more than `limit` pairs: then nothing changed.
+    bool patch(const PairPieces& found, const SlotBits& changed, const Keep& keep, std::size_t limit);
+
+    [[nodiscard]] std::size_t memory() const noexcept;
+
+private:
+    void sort_bucket(std::span<const ProxyPair> bucket, std::uint32_t first_row, std::uint32_t start, std::span<std::uint32_t> ends);
+    void compare_with_before();
+    void list_ended(const SlotBits& changed, const Keep& keep);
+    void sort_candidates(const PairPieces& found);
+
+    std::vector<ProxyPair> pairs_, next_;  // grown, never shrunk: the first count_ of pairs_ hold
+    std::vector<ProxyPair> unsorted_;
+    std::size_t count_ = 0;
+    std::size_t previous_count_ = 0;  // of next_, while the two lists are compared
+    std::span<const ProxyPair> begun_;
+    std::vector<ProxyPair> begun_store_, ended_;
+    std::vector<std::uint32_t> row_values_, row_ends_;
+    std::vector<std::uint32_t> bucket_;  // where each bucket of rows starts
+    std::vector<std::uint32_t> next_in_bucket_;
+    std::vector<std::uint32_t> touched_, ended_places_;  // places in pairs_
+    std::vector<std::uint64_t> candidates_;
+    std::vector<std::uint32_t> payload_;
+    RadixScratch scratch_;
+};
+
+/// Lists the places of the pairs of which a slot is changed, ascending. `out` has room for pairs.size() + 16.
+/// @return how many.
+std::size_t find_touched(std::span<const ProxyPair> pairs, const SlotBits& changed, std::uint32_t* out);
+
+/// Rows are read up to this far beyond their end.
+inline constexpr std::size_t kRowPadding = 16;
+
+/// Sorts rows: row k has the values from where row k-1 ends (the first: from `start`) up to ends[k]; pairs (first_row + k, value)
+/// go to the same places of `out`.
+void sort_rows(const std::uint32_t* values, std::uint32_t start, std::uint32_t first_row, std::span<const std::uint32_t> ends,
+               ProxyPair* out);
+
+}  // namespace carom::detail

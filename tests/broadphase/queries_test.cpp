@@ -1,0 +1,156 @@
+// Queries against every box looked at by itself: with every method, freshly built and after boxes have moved.
+#include "broadphase/crowd.hpp"
+
+#include <carom/broadphase/queries.hpp>
+#include <carom/core/check.hpp>
+
+#include <gtest/gtest.h>
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+
+namespace carom {
+namespace {
+
+using Slots = std::vector<std::uint32_t>;
+
+template <class Query>
+Slots visited(Query query) {
+    Slots slots;
+    query([&](std::uint32_t slot) {
+        slots.push_back(slot);
+        return true;
+    });
+    std::stable_sort(slots.begin(), slots.end());
+    return slots;
+}
+
+Slots all_that(const Broadphase& broadphase, std::size_t n, const std::function<bool(const FloatAabb&)>& touch) {
+    Slots slots;
+    for (std::uint32_t i = 0; i < n; ++i) {
+        const FloatAabb box = broadphase.box(i);
+        if (box.lower.x <= box.upper.x && touch(box)) slots.push_back(i);
+    }
+    return slots;
+}
+
+/// Points of the box nearest to `p`.
+double distance(const FloatAabb& box, const dvec3& p) { return glm::length(p - glm::clamp(p, dvec3(box.lower), dvec3(box.upper))); }
+
+/// The entry of a ray into a box grown by `half`, by looking at every face; infinite for a miss.
+double entry(const FloatAabb& box, const dvec3& origin, const dvec3& direction, const dvec3& half) {
+    const dvec3 lower = dvec3(box.lower) - half, upper = dvec3(box.upper) + half;
+    const auto inside = [&](const dvec3& p, int but) {
+        for (int k = 0; k < 3; ++k) {
+            if (k != but && (p[k] < lower[k] || p[k] > upper[k])) return false;
+        }
+        return true;
+    };
+    if (inside(origin, -1)) return 0.0;
+    double best = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < 3; ++k) {
+        for (const double face : {lower[k], upper[k]}) {
+            const double t = (face - origin[k]) / direction[k];
+            if (direction[k] != 0.0 && t >= 0.0 && inside(origin + t * direction, k)) best = std::min(best, t);
+        }
+    }
+    return best;
+}
+
+class Queries : public ::testing::TestWithParam<BroadphaseMethod> {};
+
+void compare(const Broadphase& broadphase, std::size_t n, Random& random) {
+    const auto point = [&](double size) { return dvec3{random.range(-size, size), random.range(-size, size), random.range(-size, size)}; };
+    const dvec3 p = point(10), q = p + glm::abs(point(3)), direction = random.unit() < 0.2 ? dvec3{0, 0, -1} : point(2);
+    const double radius = random.range(0, 4), t_max = random.range(0, 9);
+    EXPECT_EQ(visited([&](SlotVisitor v) { query_box(broadphase, p, q, v); }), all_that(broadphase, n, [&](const FloatAabb& box) {
+                  return glm::all(glm::lessThanEqual(dvec3(box.lower), q)) && glm::all(glm::lessThanEqual(p, dvec3(box.upper)));
+              }));
+    EXPECT_EQ(visited([&](SlotVisitor v) { query_sphere(broadphase, p, radius, v); }),
+              all_that(broadphase, n, [&](const FloatAabb& box) { return distance(box, p) <= radius; }));
+    const HalfSpace planes[] = {{{1, 0, 0}, 5.0}, {{-1, 0.3, 0}, 2.0}, {direction, 3.0}};
+    EXPECT_EQ(visited([&](SlotVisitor v) { query_volume(broadphase, planes, v); }), all_that(broadphase, n, [&](const FloatAabb& box) {
+                  return std::all_of(std::begin(planes), std::end(planes), [&](const HalfSpace& h) {
+                      double least = std::numeric_limits<double>::infinity();
+                      for (int corner = 0; corner < 8; ++corner) {
+                          const dvec3 c{corner & 1 ? box.lower.x : box.upper.x, corner & 2 ? box.lower.y : box.upper.y,
+                                        corner & 4 ? box.lower.z : box.upper.z};
+                          least = std::min(least, glm::dot(h.normal, c));
+                      }
+                      return least <= h.offset;
+                  });
+              }));
+    EXPECT_EQ(visited([&](SlotVisitor v) { query_ray(broadphase, p, direction, t_max, v); }),
+              all_that(broadphase, n, [&](const FloatAabb& box) { return entry(box, p, direction, dvec3{0.0}) <= t_max; }));
+    EXPECT_EQ(visited([&](SlotVisitor v) { query_swept_box(broadphase, p, q, direction, v); }),
+              all_that(broadphase, n, [&](const FloatAabb& box) { return entry(box, 0.5 * (p + q), direction, 0.5 * (q - p)) <= 1.0; }));
+
+    const auto odd = [](std::uint32_t slot) { return slot % 2 == 1; };
+    std::optional<BoxHit> first;
+    for (const std::uint32_t slot : all_that(broadphase, n, [](const FloatAabb&) { return true; })) {
+        const double t = entry(broadphase.box(slot), p, direction, dvec3{0.0});
+        if (odd(slot) && t <= t_max && (!first || t < first->t)) first = BoxHit{slot, t};
+    }
+    const std::optional<BoxHit> hit = closest_on_ray(broadphase, p, direction, t_max, odd);
+    ASSERT_EQ(hit.has_value(), first.has_value());
+    if (hit) {
+        EXPECT_EQ(hit->slot, first->slot);
+    }
+
+    Slots by_distance = all_that(broadphase, n, [](const FloatAabb&) { return true; });
+    std::stable_sort(by_distance.begin(), by_distance.end(),
+                     [&](std::uint32_t a, std::uint32_t b) { return distance(broadphase.box(a), p) < distance(broadphase.box(b), p); });
+    const Slots near = nearest_boxes(broadphase, p, 12);
+    ASSERT_EQ(near.size(), std::min<std::size_t>(12, by_distance.size()));
+    for (std::size_t i = 0; i < near.size(); ++i) {  // roots may make equals of unequal squares
+        EXPECT_EQ(distance(broadphase.box(near[i]), p), distance(broadphase.box(by_distance[i]), p));
+    }
+}
+
+TEST_P(Queries, AgreeWithEveryBoxLookedAtByItself) {
+    SerialExecutor executor;
+    for (const test::Distribution kind : {test::Distribution::Uniform, test::Distribution::Clustered, test::Distribution::Mixed}) {
+        test::Crowd crowd(kind, 400, 5, false);
+        Broadphase broadphase({.method = GetParam()});
+        EXPECT_TRUE(nearest_boxes(broadphase, dvec3{0.0}, 3).empty());
+        Random random(6);
+        for (int frame = 0; frame < 6; ++frame) {
+            ASSERT_NO_FATAL_FAILURE(crowd.check(broadphase, executor));
+            SCOPED_TRACE(testing::Message() << "distribution " << int(kind) << ", frame " << frame);
+            for (int i = 0; i < 30; ++i) ASSERT_NO_FATAL_FAILURE(compare(broadphase, 400, random));
+            crowd.change(random, 0.1, 0.05);
+        }
+    }
+}
+
+TEST_P(Queries, StopWhenToldAndRefuseBadInput) {
+    SerialExecutor executor;
+    test::Crowd crowd(test::Distribution::Uniform, 300, 5, false);
+    Broadphase broadphase({.method = GetParam()});
+    crowd.check(broadphase, executor);
+    int count = 0;
+    query_sphere(broadphase, dvec3{0.0}, 100.0, [&](std::uint32_t) { return ++count < 5; });
+    EXPECT_EQ(count, 5);
+    const auto never = [](std::uint32_t) { return ADD_FAILURE(), true; };
+    const double nan = std::numeric_limits<double>::quiet_NaN(), infinity = std::numeric_limits<double>::infinity();
+    EXPECT_THROW(query_box(broadphase, dvec3{1.0}, dvec3{0.0}, never), MisuseError);
+    EXPECT_THROW(query_box(broadphase, dvec3{nan}, dvec3{0.0}, never), MisuseError);
+    EXPECT_THROW(query_sphere(broadphase, dvec3{0.0}, -1.0, never), MisuseError);
+    EXPECT_THROW(query_sphere(broadphase, dvec3{0.0}, infinity, never), MisuseError);
+    const HalfSpace bad[] = {{{0, nan, 0}, 1.0}};
+    EXPECT_THROW(query_volume(broadphase, bad, never), MisuseError);
+    EXPECT_THROW(query_ray(broadphase, dvec3{0.0}, dvec3{0.0}, 1.0, never), MisuseError);
+    EXPECT_THROW(query_ray(broadphase, dvec3{0.0}, dvec3{1.0}, infinity, never), MisuseError);
+    EXPECT_THROW(query_swept_box(broadphase, dvec3{0.0}, dvec3{-1.0}, dvec3{1.0}, never), MisuseError);
+    EXPECT_THROW(static_cast<void>(closest_on_ray(broadphase, dvec3{0.0}, dvec3{1.0}, -1.0, never)), MisuseError);
+    EXPECT_THROW(static_cast<void>(nearest_boxes(broadphase, dvec3{infinity}, 1)), MisuseError);
+    EXPECT_TRUE(nearest_boxes(broadphase, dvec3{0.0}, 0).empty());
+}
+
+INSTANTIATE_TEST_SUITE_P(All, Queries, ::testing::ValuesIn(kBroadphaseMethods),
+                         [](const auto& tested) { return std::string(to_string(tested.param)); });
+
+}  // namespace
+}  // namespace carom
