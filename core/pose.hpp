@@ -39,6 +39,22 @@ template <class T>
     return rotate_inverse(pose.orientation, world - pose.position);
 }
 
+/// Directions, velocities and, as a pose is rigid, normals: rotated only. Normals under other maps: affine.hpp.
+[[nodiscard]] inline dvec3 transform_vector(const Pose& pose, const dvec3& local) noexcept { return rotate(pose.orientation, local); }
+[[nodiscard]] inline dvec3 inverse_transform_vector(const Pose& pose, const dvec3& world) noexcept {
+    return rotate_inverse(pose.orientation, world);
+}
+
+/// @return the point with coordinates `p` in the frame `from`, in coordinates of the frame `to`; both frames in one parent. Only the
+/// difference of the frames' positions enters: nothing is lost far from the parent's origin.
+[[nodiscard]] inline dvec3 change_frame(const Pose& from, const Pose& to, const dvec3& p) noexcept {
+    return rotate_inverse(to.orientation, (from.position - to.position) + rotate(from.orientation, p));
+}
+/// @return the vector or normal with components `v` in the frame `from`, in components of the frame `to`.
+[[nodiscard]] inline dvec3 change_frame_vector(const Pose& from, const Pose& to, const dvec3& v) noexcept {
+    return rotate_inverse(to.orientation, rotate(from.orientation, v));
+}
+
 /// @return the pose that undoes `pose`.
 [[nodiscard]] inline Pose inverse(const Pose& pose) noexcept {
     const dquat conjugate{pose.orientation.w, -pose.orientation.x, -pose.orientation.y, -pose.orientation.z};

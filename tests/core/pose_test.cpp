@@ -53,6 +53,32 @@ TEST(Pose, IsAGroup) {
     }
 }
 
+TEST(Pose, VectorsTurnAndDoNotMove) {
+    Random random(0x0ec);
+    for (int i = 0; i < 200; ++i) {
+        const Pose a = random_pose(random), b = random_pose(random);
+        const dvec3 p = random_vector(random, 10.0), q = random_vector(random, 10.0);
+        expect_near(transform_vector(a, p - q), transform_point(a, p) - transform_point(a, q), kTolerance);
+        expect_near(inverse_transform_vector(a, transform_vector(a, p)), p, kTolerance);
+        expect_near(change_frame(a, b, p), inverse_transform_point(b, transform_point(a, p)), kTolerance);
+        expect_near(change_frame_vector(a, b, p), inverse_transform_vector(b, transform_vector(a, p)), kTolerance);
+    }
+}
+
+TEST(Pose, AChangeOfFrameLosesNothingFarFromTheOrigin) {
+    Random random(0xfa2);
+    const dvec3 far{0x1p40, -0x1p41, 0x1p42};
+    for (int i = 0; i < 200; ++i) {
+        Pose a = random_pose(random), b = random_pose(random);
+        for (int k = 0; k < 3; ++k) {  // on a grid that the far position holds exactly
+            a.position[k] = std::round(a.position[k]);
+            b.position[k] = std::round(b.position[k]);
+        }
+        const dvec3 p = random_vector(random, 10.0);
+        EXPECT_EQ(change_frame({a.position + far, a.orientation}, {b.position + far, b.orientation}, p), change_frame(a, b, p));
+    }
+}
+
 TEST(Pose, TheDefaultChangesNothing) {
     const dvec3 p{1.0, -2.0, 3.0};
     EXPECT_EQ(transform_point(Pose{}, p), p);
