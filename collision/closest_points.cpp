@@ -34,7 +34,7 @@ ClosestPoints<detail::Scalar<A>> closest_points(const A& a, const B& b) noexcept
     }
     const detail::Nearest n = rounded(detail::closest_cores(pair), pair.radius_a, pair.radius_b);
     const double back = 1.0 / pair.scale;  // exact
-    return {Vec3<T>(pair.origin + back * n.a), Vec3<T>(pair.origin + back * n.b), static_cast<T>(back * back * n.sq)};
+    return {Vec3<T>(pair.origin + back * n.a), Vec3<T>(pair.origin + back * n.b), static_cast<T>(back * (back * n.sq))};
 }
 
 #define CAROM_CLOSEST(A, B, T) \

@@ -47,7 +47,9 @@ dquat rotation_from_euler(const EulerAngles& angles, EulerOrder order) noexcept 
 }
 
 EulerAngles euler_angles(const dquat& q, EulerOrder order) noexcept {
-    const auto [i, j, k, parity] = axes_of(order);
+    const Order o = axes_of(order);
+    const int i = o.i, j = o.j, k = o.k;
+    const double parity = o.parity;
     const dmat3 columns = rotation_matrix(q);
     const auto r = [&](int row, int column) { return columns[column][row]; };
     // Row i of Ri(a) Rj(b) Rk(c) is (cos b cos c, -e cos b sin c, e sin b), column k is (e sin b, -e sin a cos b, cos a cos b).

@@ -4,7 +4,6 @@
 #include <carom/core/check.hpp>
 #include <carom/core/simd_width.hpp>
 
-#include "exact_distance.hpp"
 #include "primitive_cases.hpp"
 
 #include <gtest/gtest.h>

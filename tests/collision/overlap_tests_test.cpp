@@ -1,7 +1,8 @@
 // Overlap of all pairs against exact rationals: right outside the stated bound, and `false` always right.
 #include <carom/collision/overlap_tests.hpp>
 
-#include "exact_distance.hpp"
+#include <fuzz/overlap_check.hpp>
+
 #include "primitive_cases.hpp"
 
 #include <gtest/gtest.h>
@@ -18,67 +19,22 @@ namespace {
 using namespace geo;
 using test::Cases;
 
-// The largest coordinate difference, half extent or radius, as the bounds of the headers count it: from the corners, within a factor 2.
-exact::Rational size_of(const exact::Solid& a, const exact::Solid& b) {
-    exact::Rational size = std::max(a.radius, b.radius);
-    for (const exact::Solid* s : {&a, &b}) {
-        for (const exact::Vec& p : s->corners) size = std::max(size, exact::largest(p - a.corners[0]));
-    }
-    return size;
-}
-
-template <class A>
-constexpr bool kTurned = std::is_same_v<A, Obb<float>> || std::is_same_v<A, Obb<double>>;
-
-template <class A, class B>
-exact::Rational bound(const A& a, const B& b) {
-    using T = geo::detail::Scalar<A>;
-    const double roundings =
-        kTurned<A> || kTurned<B> ? 128.0 * static_cast<double>(std::numeric_limits<T>::epsilon()) : 32.0 * 0x1p-52;
-    return exact::number(roundings) * size_of(exact::solid(a), exact::solid(b));
-}
-
-struct Tally {
-    int apart = 0;
-    int together = 0;
-    int within = 0;
-    double worst = 0.0;  // in parts of the bound
-};
-
-template <class A, class B>
-void judge(const A& a, const B& b, Tally& tally) {
-    const bool got = overlaps(a, b);
-    const exact::Solid x = exact::solid(a), y = exact::solid(b);
-    const exact::Rational reach = x.radius + y.radius, sq = exact::core_distance_sq(x, y);
-    const bool truth = sq <= exact::square(reach);
-    EXPECT_TRUE(got || !truth) << "apart is certain";
-    EXPECT_TRUE(overlaps(b, a) || !truth) << "apart is certain";
-    if (got && !truth) {
-        const exact::Rational allowed = bound(a, b);
-        EXPECT_TRUE(sq <= exact::square(reach + allowed));
-        ++tally.within;
-        const exact::Rational gap = exact::sqrt_up(sq) - reach;
-        tally.worst = std::max(tally.worst, static_cast<double>(exact::Rational(gap / allowed)));
-    }
-    ++(truth ? tally.together : tally.apart);
-}
-
 template <class T>
 struct Named {
     template <class A, class B>
     static void check(const char* what, std::uint64_t seed, int count) {
         SCOPED_TRACE(what);
         Cases<T> cases(seed);
-        Tally tally;
-        for (int i = 0; i < count && !testing::Test::HasFailure(); ++i) {
+        int apart = 0, together = 0;
+        for (int i = 0; i < count; ++i) {
             SCOPED_TRACE(i);
             const auto [a, b] = i % 2 == 0 ? cases.template near_pair<A, B>() : cases.template pair<A, B>();
-            judge(a, b, tally);
+            const test::ExactPair pair = test::exact_pair(a, b);
+            ASSERT_EQ(test::verdict_fault(a, b, pair), "");
+            ++(pair.overlap() ? together : apart);
         }
-        if (testing::Test::HasFailure()) return;
-        EXPECT_GT(tally.apart, count / 25);
-        EXPECT_GT(tally.together, count / 25);
-        testing::Test::RecordProperty(what, std::to_string(tally.worst));
+        EXPECT_GT(apart, count / 25);
+        EXPECT_GT(together, count / 25);
     }
 };
 

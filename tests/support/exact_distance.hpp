@@ -11,7 +11,7 @@
 
 #include <carom/collision/primitives.hpp>
 
-#include "support/exact.hpp"
+#include <support/exact.hpp>
 
 #include <array>
 #include <utility>
