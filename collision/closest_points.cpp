@@ -24,8 +24,9 @@ detail::Nearest rounded(const detail::Nearest& n, double radius_a, double radius
 }  // namespace
 
 template <Measurable A, Measurable B>
-    requires std::same_as<detail::Scalar<A>, detail::Scalar<B>>
-ClosestPoints<detail::Scalar<A>> closest_points(const A& a, const B& b) noexcept {
+requires std::same_as<detail::Scalar<A>, detail::Scalar<B>> ClosestPoints<detail::Scalar<A>> closest_points(const A& a,
+                                                                                                            const B& b)
+noexcept {
     using T = detail::Scalar<A>;
     const auto pair = detail::make_pair(a, b);
     if (!pair.valid) {
@@ -37,17 +38,16 @@ ClosestPoints<detail::Scalar<A>> closest_points(const A& a, const B& b) noexcept
     return {Vec3<T>(pair.origin + back * n.a), Vec3<T>(pair.origin + back * n.b), static_cast<T>(back * (back * n.sq))};
 }
 
-#define CAROM_CLOSEST(A, B, T) \
-    template ClosestPoints<T> closest_points<A<T>, B<T>>(const A<T>&, const B<T>&) noexcept;
-#define CAROM_CLOSEST_ALL(A, T)                                                                               \
-    CAROM_CLOSEST(A, Vec3, T)                                                                                 \
-    CAROM_CLOSEST(A, Segment, T)                                                                              \
-    CAROM_CLOSEST(A, Triangle, T)                                                                             \
+#define CAROM_CLOSEST(A, B, T) template ClosestPoints<T> closest_points<A<T>, B<T>>(const A<T>&, const B<T>&) noexcept;
+#define CAROM_CLOSEST_ALL(A, T)   \
+    CAROM_CLOSEST(A, Vec3, T)     \
+    CAROM_CLOSEST(A, Segment, T)  \
+    CAROM_CLOSEST(A, Triangle, T) \
     CAROM_CLOSEST(A, Aabb, T) CAROM_CLOSEST(A, Obb, T) CAROM_CLOSEST(A, Capsule, T) CAROM_CLOSEST(A, Sphere, T)
-#define CAROM_CLOSEST_TABLE(T)                                                                                \
-    CAROM_CLOSEST_ALL(Vec3, T)                                                                                \
-    CAROM_CLOSEST_ALL(Segment, T)                                                                             \
-    CAROM_CLOSEST_ALL(Triangle, T)                                                                            \
+#define CAROM_CLOSEST_TABLE(T)     \
+    CAROM_CLOSEST_ALL(Vec3, T)     \
+    CAROM_CLOSEST_ALL(Segment, T)  \
+    CAROM_CLOSEST_ALL(Triangle, T) \
     CAROM_CLOSEST_ALL(Aabb, T) CAROM_CLOSEST_ALL(Obb, T) CAROM_CLOSEST_ALL(Capsule, T) CAROM_CLOSEST_ALL(Sphere, T)
 CAROM_CLOSEST_TABLE(float)
 CAROM_CLOSEST_TABLE(double)

@@ -10,7 +10,8 @@ template <class T>
 bool boxes_overlap(const Aabb<T>& a, const Aabb<T>& b) noexcept {
     bool meet = true;
     for (int i = 0; i < 3; ++i) {
-        meet &= a.lower[i] <= b.upper[i] && b.lower[i] <= a.upper[i] && a.lower[i] <= a.upper[i] && b.lower[i] <= b.upper[i];
+        meet &= a.lower[i] <= b.upper[i] && b.lower[i] <= a.upper[i] && a.lower[i] <= a.upper[i] &&
+                b.lower[i] <= b.upper[i];
     }
     return meet;
 }
@@ -21,7 +22,7 @@ constexpr bool kIsTurned = std::is_same_v<Core, Obb<double>>;
 // Simpler cores first, as detail::kRank has them.
 template <class T, class A, class B>
 detail::Verdict separate(const A& a, const B& b) noexcept {
-    if constexpr (detail::kRank<A> > detail::kRank<B>) {
+    if constexpr (detail::kRank < A >> detail::kRank<B>) {
         return separate<T>(b, a);
     } else if constexpr (detail::kRank<A> >= 2) {
         constexpr bool turned = kIsTurned<A> || kIsTurned<B>;
@@ -34,7 +35,7 @@ detail::Verdict separate(const A& a, const B& b) noexcept {
 }  // namespace
 
 template <Overlappable A, Overlappable B>
-    requires std::same_as<detail::Scalar<A>, detail::Scalar<B>>
+requires std::same_as<detail::Scalar<A>, detail::Scalar<B>>
 bool overlaps(const A& a, const B& b) noexcept {
     using T = detail::Scalar<A>;
     if constexpr (std::same_as<A, Aabb<T>> && std::same_as<B, Aabb<T>>) {
@@ -57,7 +58,8 @@ bool overlaps(const A& a, const B& b) noexcept {
     CAROM_OVERLAPS(A, Aabb, T) CAROM_OVERLAPS(A, Obb, T) CAROM_OVERLAPS(A, Capsule, T) CAROM_OVERLAPS(A, Triangle, T)
 #define CAROM_OVERLAPS_TABLE(T)   \
     CAROM_OVERLAPS_ALL(Sphere, T) \
-    CAROM_OVERLAPS_ALL(Aabb, T) CAROM_OVERLAPS_ALL(Obb, T) CAROM_OVERLAPS_ALL(Capsule, T) CAROM_OVERLAPS_ALL(Triangle, T)
+    CAROM_OVERLAPS_ALL(Aabb, T)   \
+    CAROM_OVERLAPS_ALL(Obb, T) CAROM_OVERLAPS_ALL(Capsule, T) CAROM_OVERLAPS_ALL(Triangle, T)
 CAROM_OVERLAPS_TABLE(float)
 CAROM_OVERLAPS_TABLE(double)
 #undef CAROM_OVERLAPS_TABLE

@@ -64,7 +64,8 @@ Nearest closest_local(const Segment<double>& s, const dvec3& h) noexcept {
     if (low_slope >= 0.0) return at(s.a);
     double high = 1.0, high_slope = slope(s.b, d, h);
     if (high_slope <= 0.0) return at(s.b);
-    // Between the planes of the box the slope is linear: the two planes around its root are what is needed, in no order.
+    // Between the planes of the box the slope is linear: the two planes around its root are what is needed, in no
+    // order.
     for (int i = 0; i < 3; ++i) {
         if (d[i] == 0.0) continue;
         for (const double plane : {-h[i], h[i]}) {
@@ -93,7 +94,8 @@ Nearest closest_local(const Triangle<double>& t, const dvec3& h, double slack) n
         height[k] = glm::dot(corner(h, k) - frame.corner(), frame.normal());
         if (std::fabs(height[k]) < std::fabs(height[nearest_corner])) nearest_corner = k;
     }
-    // Where the face is nearer than its edges, the box lies on one side of its plane, and the corner next to the plane decides.
+    // Where the face is nearer than its edges, the box lies on one side of its plane, and the corner next to the plane
+    // decides.
     const dvec3 p = corner(h, nearest_corner);
     Nearest other = swapped(best);
     dvec3 foot{0.0};

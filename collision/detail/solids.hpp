@@ -1,12 +1,13 @@
-// What the tests of two primitives compute with: the core of each (a point, segment, triangle or box) and its radius, in double,
-// relative to a point of the pair.
+// What the tests of two primitives compute with: the core of each (a point, segment, triangle or box) and its radius,
+// in double, relative to a point of the pair.
 //
 //   Pair pair = make_pair(geo::Sphere<float>{...}, geo::Obb<float>{...});   // Pair<dvec3, Obb<double>>
 //   if (!pair.valid) return false;                                         // NaN, an empty solid
 //
-// A sphere is a point with a radius, a capsule a segment with one. Floats become doubles exactly, so float input is computed with 29
-// bits to spare. Coordinates are taken relative to the first solid, so what is lost to rounding is relative to the pair, not to its
-// distance from the origin; and scaled by a power of two where squares and cubes of them would leave the range of double.
+// A sphere is a point with a radius, a capsule a segment with one. Floats become doubles exactly, so float input is
+// computed with 29 bits to spare. Coordinates are taken relative to the first solid, so what is lost to rounding is
+// relative to the pair, not to its distance from the origin; and scaled by a power of two where squares and cubes of
+// them would leave the range of double.
 #pragma once
 
 #include <carom/collision/primitives.hpp>
@@ -29,29 +30,51 @@ template <class T>
 
 // A point of the solid or near it, to which the pair is taken relative.
 template <class T>
-[[nodiscard]] dvec3 anchor(const Vec3<T>& p) noexcept { return wide(p); }
+[[nodiscard]] dvec3 anchor(const Vec3<T>& p) noexcept {
+    return wide(p);
+}
 template <class T>
-[[nodiscard]] dvec3 anchor(const Segment<T>& s) noexcept { return wide(s.a); }
+[[nodiscard]] dvec3 anchor(const Segment<T>& s) noexcept {
+    return wide(s.a);
+}
 template <class T>
-[[nodiscard]] dvec3 anchor(const Triangle<T>& t) noexcept { return wide(t.a); }
+[[nodiscard]] dvec3 anchor(const Triangle<T>& t) noexcept {
+    return wide(t.a);
+}
 template <class T>
-[[nodiscard]] dvec3 anchor(const Sphere<T>& s) noexcept { return wide(s.center); }
+[[nodiscard]] dvec3 anchor(const Sphere<T>& s) noexcept {
+    return wide(s.center);
+}
 template <class T>
-[[nodiscard]] dvec3 anchor(const Capsule<T>& c) noexcept { return wide(c.axis.a); }
+[[nodiscard]] dvec3 anchor(const Capsule<T>& c) noexcept {
+    return wide(c.axis.a);
+}
 template <class T>
-[[nodiscard]] dvec3 anchor(const Aabb<T>& b) noexcept { return wide(b.lower); }
+[[nodiscard]] dvec3 anchor(const Aabb<T>& b) noexcept {
+    return wide(b.lower);
+}
 template <class T>
-[[nodiscard]] dvec3 anchor(const Obb<T>& b) noexcept { return wide(b.center); }
+[[nodiscard]] dvec3 anchor(const Obb<T>& b) noexcept {
+    return wide(b.center);
+}
 
 // The core relative to `o`.
 template <class T>
-[[nodiscard]] dvec3 core(const Vec3<T>& p, const dvec3& o) noexcept { return wide(p) - o; }
+[[nodiscard]] dvec3 core(const Vec3<T>& p, const dvec3& o) noexcept {
+    return wide(p) - o;
+}
 template <class T>
-[[nodiscard]] dvec3 core(const Sphere<T>& s, const dvec3& o) noexcept { return wide(s.center) - o; }
+[[nodiscard]] dvec3 core(const Sphere<T>& s, const dvec3& o) noexcept {
+    return wide(s.center) - o;
+}
 template <class T>
-[[nodiscard]] Segment<double> core(const Segment<T>& s, const dvec3& o) noexcept { return {wide(s.a) - o, wide(s.b) - o}; }
+[[nodiscard]] Segment<double> core(const Segment<T>& s, const dvec3& o) noexcept {
+    return {wide(s.a) - o, wide(s.b) - o};
+}
 template <class T>
-[[nodiscard]] Segment<double> core(const Capsule<T>& c, const dvec3& o) noexcept { return core(c.axis, o); }
+[[nodiscard]] Segment<double> core(const Capsule<T>& c, const dvec3& o) noexcept {
+    return core(c.axis, o);
+}
 template <class T>
 [[nodiscard]] Triangle<double> core(const Triangle<T>& t, const dvec3& o) noexcept {
     return {wide(t.a) - o, wide(t.b) - o, wide(t.c) - o};
@@ -115,7 +138,9 @@ private:
 
 [[nodiscard]] inline dvec3 scaled(const dvec3& p, double s) noexcept { return s * p; }
 [[nodiscard]] inline Segment<double> scaled(const Segment<double>& x, double s) noexcept { return {s * x.a, s * x.b}; }
-[[nodiscard]] inline Triangle<double> scaled(const Triangle<double>& t, double s) noexcept { return {s * t.a, s * t.b, s * t.c}; }
+[[nodiscard]] inline Triangle<double> scaled(const Triangle<double>& t, double s) noexcept {
+    return {s * t.a, s * t.b, s * t.c};
+}
 [[nodiscard]] inline AlignedBox scaled(const AlignedBox& b, double s) noexcept { return {s * b.center, s * b.half}; }
 [[nodiscard]] inline Obb<double> scaled(const Obb<double>& b, double s) noexcept {
     return {s * b.center, s * b.half_extents, b.axes};
@@ -137,7 +162,8 @@ struct Pair {
 template <class ShapeA, class ShapeB>
 [[nodiscard]] auto make_pair(const ShapeA& a, const ShapeB& b) noexcept {
     const dvec3 o = anchor(a);
-    Pair<decltype(core(a, o)), decltype(core(b, o))> pair{core(a, o), core(b, o), radius(a), radius(b), o, 1.0, 0.0, false};
+    Pair<decltype(core(a, o)), decltype(core(b, o))> pair{core(a, o), core(b, o), radius(a), radius(b),
+                                                          o,          1.0,        0.0,       false};
     Reach reach;
     reach.add(pair.a), reach.add(pair.b), reach.add(pair.radius_a), reach.add(pair.radius_b);
     pair.size = reach.largest();
