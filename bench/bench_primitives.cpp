@@ -95,24 +95,20 @@ void ray_aabb_scalar(benchmark::State& state) {
     scalar(state, make_aabbs(), std::vector<float>(kCount), [](const auto& b) { return t_of(geo::cast_ray(b, kRay)); });
 }
 void ray_aabb_batch(benchmark::State& state) {
-    batch(state, std::vector<float>(kCount),
-          [boxes = make_aabbs()](auto& out) { geo::cast_ray_batch(boxes, kRay, out); });
+    batch(state, std::vector<float>(kCount), [boxes = make_aabbs()](auto& out) { geo::cast_ray_batch(boxes, kRay, out); });
 }
 void ray_triangle_scalar(benchmark::State& state) {
-    scalar(state, make_triangles(), std::vector<float>(kCount),
-           [](const auto& t) { return t_of(geo::cast_ray(t, kRay)); });
+    scalar(state, make_triangles(), std::vector<float>(kCount), [](const auto& t) { return t_of(geo::cast_ray(t, kRay)); });
 }
 void ray_triangle_batch(benchmark::State& state) {
-    batch(state, std::vector<float>(kCount),
-          [triangles = make_triangles()](auto& out) { geo::cast_ray_batch(triangles, kRay, out); });
+    batch(state, std::vector<float>(kCount), [triangles = make_triangles()](auto& out) { geo::cast_ray_batch(triangles, kRay, out); });
 }
 void sphere_aabb_scalar(benchmark::State& state) {
     scalar(state, make_aabbs(), std::vector<std::uint8_t>(kCount),
            [](const auto& b) -> std::uint8_t { return geo::overlaps(kSphere, b) ? 1 : 0; });
 }
 void sphere_aabb_batch(benchmark::State& state) {
-    batch(state, std::vector<std::uint8_t>(kCount),
-          [boxes = make_aabbs()](auto& out) { geo::overlaps_batch(boxes, kSphere, out); });
+    batch(state, std::vector<std::uint8_t>(kCount), [boxes = make_aabbs()](auto& out) { geo::overlaps_batch(boxes, kSphere, out); });
 }
 
 // The argument is half the side of the cube that the boxes are spread over: at 1 nearly all overlap, at 6 nearly none.
@@ -126,9 +122,7 @@ void obb_obb_batch(benchmark::State& state) {
     Random random(0xbe4);
     const geo::Obb<float> mine = make_obb(random, 0.1);
     batch(state, std::vector<std::uint8_t>(kCount),
-          [mine, boxes = make_obbs(static_cast<double>(state.range(0)))](auto& out) {
-              geo::overlaps_batch(boxes, mine, out);
-          });
+          [mine, boxes = make_obbs(static_cast<double>(state.range(0)))](auto& out) { geo::overlaps_batch(boxes, mine, out); });
 }
 void point_triangle_scalar(benchmark::State& state) {
     scalar(state, make_triangles(), std::vector<geo::ClosestPoints<float>>(kCount),

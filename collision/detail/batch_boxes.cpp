@@ -49,8 +49,7 @@ std::size_t ray_boxes(const Ray<float>& ray, std::span<const Aabb<float>> boxes,
             enter = max(min(t0, t1), enter);
             leave = min(max(t0, t1), leave);
             size += abs(low) + abs(high);
-            known =
-                known & (t0 == t0) & (t1 == t1);  // an axis of no direction, from a point on a face, is 0 * infinity
+            known = known & (t0 == t0) & (t1 == t1);  // an axis of no direction, from a point on a face, is 0 * infinity
             empty = empty | (box[k] > box[k + 3]);
         }
         const Floats error = 8.0f * kEps * (min(abs(enter), kHuge) + min(abs(leave), kHuge)) + 0x1p-126f;
@@ -64,8 +63,7 @@ std::size_t ray_boxes(const Ray<float>& ray, std::span<const Aabb<float>> boxes,
 }
 
 // Each difference errs by eps/2 of itself, so the square of the distance by 4 eps of itself.
-std::size_t sphere_boxes(const Sphere<float>& sphere, std::span<const Aabb<float>> boxes, std::uint8_t* hit,
-                         std::int32_t* unclear) {
+std::size_t sphere_boxes(const Sphere<float>& sphere, std::span<const Aabb<float>> boxes, std::uint8_t* hit, std::int32_t* unclear) {
     const Floats center[3] = {sphere.center.x, sphere.center.y, sphere.center.z};
     const float radius_sq = sphere.radius * sphere.radius;
     const bool usable = sphere.radius >= 0.0f && radius_sq > 0x1p-60f && radius_sq < kTooLarge;
@@ -106,8 +104,7 @@ HWY_EXPORT(sphere_boxes);
 std::size_t ray_boxes(const Ray<float>& ray, std::span<const Aabb<float>> boxes, float* t, std::int32_t* unclear) {
     return HWY_DYNAMIC_DISPATCH(ray_boxes)(ray, boxes, t, unclear);
 }
-std::size_t sphere_boxes(const Sphere<float>& sphere, std::span<const Aabb<float>> boxes, std::uint8_t* hit,
-                         std::int32_t* unclear) {
+std::size_t sphere_boxes(const Sphere<float>& sphere, std::span<const Aabb<float>> boxes, std::uint8_t* hit, std::int32_t* unclear) {
     return HWY_DYNAMIC_DISPATCH(sphere_boxes)(sphere, boxes, hit, unclear);
 }
 

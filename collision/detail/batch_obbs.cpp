@@ -25,16 +25,14 @@ struct Verdicts {
     Mask unclear;
 };
 
-// Sums of products of what already carries three roundings: a gap errs by less than 12 eps of the lengths' sum,
-// `reach`. The test in double finds boxes apart from a gap of 7 eps `reach` on, and is sure of an overlap from as much
-// on.
+// Sums of products of what already carries three roundings: a gap errs by less than 12 eps of the lengths' sum, `reach`. The test in
+// double finds boxes apart from a gap of 7 eps `reach` on, and is sure of an overlap from as much on.
 void judge(Floats gap, Floats reach, Mask counts, Verdicts& v) {
     v.apart = v.apart | (counts & (gap > 24.0f * kEps * reach));
     v.unclear = v.unclear | (counts & (!(gap < -24.0f * kEps * reach)));
 }
 
-std::size_t box_boxes(const Obb<float>& box, std::span<const Obb<float>> boxes, std::uint8_t* hit,
-                      std::int32_t* unclear) {
+std::size_t box_boxes(const Obb<float>& box, std::span<const Obb<float>> boxes, std::uint8_t* hit, std::int32_t* unclear) {
     const Floats3 axes[3] = {splat(box.axes[0]), splat(box.axes[1]), splat(box.axes[2])};
     const Floats3 center = splat(box.center), half_a = splat(box.half_extents);
     const Floats ha[3] = {half_a.x, half_a.y, half_a.z};
@@ -67,8 +65,7 @@ std::size_t box_boxes(const Obb<float>& box, std::span<const Obb<float>> boxes, 
                 const int k1 = (k + 1) % 3, k2 = (k + 2) % 3;
                 for (int j = 0; j < 3; ++j) {
                     const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-                    const Floats beyond =
-                        (ha[k1] * s[j][k2] + ha[k2] * s[j][k1]) + (hb[j1] * s[j2][k] + hb[j2] * s[j1][k]);
+                    const Floats beyond = (ha[k1] * s[j][k2] + ha[k2] * s[j][k1]) + (hb[j1] * s[j2][k] + hb[j2] * s[j1][k]);
                     // Parallel in double too, where the limit is 16 eps.
                     const Mask parallel = max(s[j][k1], s[j][k2]) <= 8.0f * kEps;
                     judge(abs(t[k2] * r[j][k1] - t[k1] * r[j][k2]) - beyond, reach, !parallel, v);
@@ -93,8 +90,7 @@ namespace carom::geo::detail {
 
 HWY_EXPORT(box_boxes);
 
-std::size_t box_boxes(const Obb<float>& box, std::span<const Obb<float>> boxes, std::uint8_t* hit,
-                      std::int32_t* unclear) {
+std::size_t box_boxes(const Obb<float>& box, std::span<const Obb<float>> boxes, std::uint8_t* hit, std::int32_t* unclear) {
     return HWY_DYNAMIC_DISPATCH(box_boxes)(box, boxes, hit, unclear);
 }
 

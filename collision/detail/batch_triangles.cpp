@@ -22,10 +22,9 @@ Floats3 splat(const vec3& v) { return {v.x, v.y, v.z}; }
 Floats sum_of_sizes(const Floats3& v) { return (abs(v.x) + abs(v.y)) + abs(v.z); }
 Floats length_sq(const Floats3& v) { return dot(v, v); }
 
-// Moller and Trumbore (JGT 1997), whose four triple products err by less than 8 eps of the product of their vectors'
-// sizes, one rounding of each vector's own included.
-std::size_t ray_triangles(const Ray<float>& ray, std::span<const Triangle<float>> triangles, float* t,
-                          std::int32_t* unclear) {
+// Moller and Trumbore (JGT 1997), whose four triple products err by less than 8 eps of the product of their vectors' sizes, one
+// rounding of each vector's own included.
+std::size_t ray_triangles(const Ray<float>& ray, std::span<const Triangle<float>> triangles, float* t, std::int32_t* unclear) {
     const Floats3 origin = splat(ray.origin), direction = splat(ray.direction);
     const Floats along = sum_of_sizes(direction), infinity = std::numeric_limits<float>::infinity();
     const Floats t_min = ray.t_min, t_max = ray.t_max;
@@ -102,8 +101,8 @@ Candidate closest_on(const Floats3& a, const Floats3& b, const Floats3& c, const
     return best;
 }
 
-std::size_t point_triangles(const Vec3<float>& point, std::span<const Triangle<float>> triangles,
-                            ClosestPoints<float>* closest, std::int32_t* unclear) {
+std::size_t point_triangles(const Vec3<float>& point, std::span<const Triangle<float>> triangles, ClosestPoints<float>* closest,
+                            std::int32_t* unclear) {
     const Floats3 p = splat(point);
     const Floats3 zero{0.0f, 0.0f, 0.0f};
     std::size_t unsure = 0;
@@ -111,8 +110,7 @@ std::size_t point_triangles(const Vec3<float>& point, std::span<const Triangle<f
         Floats x[9];
         load_records<9>(&triangles.data()->a.x, i, triangles.size(), x);
         // Relative to the point, so that what is lost is relative to the pair.
-        const Floats3 a = Floats3{x[0], x[1], x[2]} - p, b = Floats3{x[3], x[4], x[5]} - p,
-                      c = Floats3{x[6], x[7], x[8]} - p;
+        const Floats3 a = Floats3{x[0], x[1], x[2]} - p, b = Floats3{x[3], x[4], x[5]} - p, c = Floats3{x[6], x[7], x[8]} - p;
         const Candidate best = closest_on(a, b, c, zero);
         const Floats size = (sum_of_sizes(a) + sum_of_sizes(b)) + sum_of_sizes(c);
         const Mask sized = (size < 0x1p30f) & (size > 0x1p-28f);
@@ -140,12 +138,11 @@ namespace carom::geo::detail {
 HWY_EXPORT(ray_triangles);
 HWY_EXPORT(point_triangles);
 
-std::size_t ray_triangles(const Ray<float>& ray, std::span<const Triangle<float>> triangles, float* t,
-                          std::int32_t* unclear) {
+std::size_t ray_triangles(const Ray<float>& ray, std::span<const Triangle<float>> triangles, float* t, std::int32_t* unclear) {
     return HWY_DYNAMIC_DISPATCH(ray_triangles)(ray, triangles, t, unclear);
 }
-std::size_t point_triangles(const Vec3<float>& point, std::span<const Triangle<float>> triangles,
-                            ClosestPoints<float>* closest, std::int32_t* unclear) {
+std::size_t point_triangles(const Vec3<float>& point, std::span<const Triangle<float>> triangles, ClosestPoints<float>* closest,
+                            std::int32_t* unclear) {
     return HWY_DYNAMIC_DISPATCH(point_triangles)(point, triangles, closest, unclear);
 }
 

@@ -6,9 +6,7 @@ namespace carom::geo::detail {
 namespace {
 
 // Corner k of a box at the origin: bit i of k chooses the side on axis i.
-dvec3 corner(const dvec3& h, int k) noexcept {
-    return {(k & 1) != 0 ? h.x : -h.x, (k & 2) != 0 ? h.y : -h.y, (k & 4) != 0 ? h.z : -h.z};
-}
+dvec3 corner(const dvec3& h, int k) noexcept { return {(k & 1) != 0 ? h.x : -h.x, (k & 2) != 0 ? h.y : -h.y, (k & 4) != 0 ? h.z : -h.z}; }
 
 // Edge k of 12: along axis k / 4, from the corner that has that axis' bit clear.
 Segment<double> edge(const dvec3& h, int k) noexcept {
@@ -64,8 +62,7 @@ Nearest closest_local(const Segment<double>& s, const dvec3& h) noexcept {
     if (low_slope >= 0.0) return at(s.a);
     double high = 1.0, high_slope = slope(s.b, d, h);
     if (high_slope <= 0.0) return at(s.b);
-    // Between the planes of the box the slope is linear: the two planes around its root are what is needed, in no
-    // order.
+    // Between the planes of the box the slope is linear: the two planes around its root are what is needed, in no order.
     for (int i = 0; i < 3; ++i) {
         if (d[i] == 0.0) continue;
         for (const double plane : {-h[i], h[i]}) {
@@ -94,8 +91,7 @@ Nearest closest_local(const Triangle<double>& t, const dvec3& h, double slack) n
         height[k] = glm::dot(corner(h, k) - frame.corner(), frame.normal());
         if (std::fabs(height[k]) < std::fabs(height[nearest_corner])) nearest_corner = k;
     }
-    // Where the face is nearer than its edges, the box lies on one side of its plane, and the corner next to the plane
-    // decides.
+    // Where the face is nearer than its edges, the box lies on one side of its plane, and the corner next to the plane decides.
     const dvec3 p = corner(h, nearest_corner);
     Nearest other = swapped(best);
     dvec3 foot{0.0};

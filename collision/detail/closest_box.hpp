@@ -1,12 +1,10 @@
 // Closest points of a box and a point, segment, triangle or box, in double.
 //
-//   Nearest n = closest(segment, obb, slack);      // n.a on the segment, n.b on the box; one point of both where they
-//   overlap
+//   Nearest n = closest(segment, obb, slack);      // n.a on the segment, n.b on the box; one point of both where they overlap
 //
-// In the box's own frame a box is a clamp. Source: Ericson, Real-Time Collision Detection (2005), sec. 5.1.3 and 5.1.4,
-// for points; segments by the one root of a derivative that is increasing and linear between the box's planes;
-// triangles and boxes by their edges, the edges of the box and its deepest corner, which is all that a pair of closest
-// points can lie on.
+// In the box's own frame a box is a clamp. Source: Ericson, Real-Time Collision Detection (2005), sec. 5.1.3 and 5.1.4, for points;
+// segments by the one root of a derivative that is increasing and linear between the box's planes; triangles and boxes by their
+// edges, the edges of the box and its deepest corner, which is all that a pair of closest points can lie on.
 #pragma once
 
 #include <carom/collision/detail/closest_features.hpp>

@@ -3,8 +3,7 @@
 namespace carom::geo::detail {
 namespace {
 
-// Below this sine squared of the angle between two directions the interior solution is compared with the ends instead
-// of trusted.
+// Below this sine squared of the angle between two directions the interior solution is compared with the ends instead of trusted.
 constexpr double kSlim = 0x1p-20;
 
 double length_sq(const dvec3& v) noexcept { return glm::dot(v, v); }
@@ -63,9 +62,7 @@ TriangleFrame::TriangleFrame(const Triangle<double>& t) noexcept {
 }
 
 Segment<double> TriangleFrame::edge(int k) const noexcept {
-    return k == 0   ? Segment<double>{corner_, end_}
-           : k == 1 ? Segment<double>{end_, apex_}
-                    : Segment<double>{apex_, corner_};
+    return k == 0 ? Segment<double>{corner_, end_} : k == 1 ? Segment<double>{end_, apex_} : Segment<double>{apex_, corner_};
 }
 
 bool TriangleFrame::project(const dvec3& p, dvec3& foot) const noexcept {
@@ -93,8 +90,8 @@ dvec3 TriangleFrame::closest(const dvec3& p) const noexcept {
     return best;
 }
 
-void offer_crossing(const dvec3& p, const dvec3& q, double of_p, double of_q, const TriangleFrame& triangle,
-                    double slack, Nearest& best) noexcept {
+void offer_crossing(const dvec3& p, const dvec3& q, double of_p, double of_q, const TriangleFrame& triangle, double slack,
+                    Nearest& best) noexcept {
     if (!((of_p <= 0.0 && of_q >= 0.0) || (of_p >= 0.0 && of_q <= 0.0)) || of_p == of_q) return;
     const dvec3 x = p + (of_p / (of_p - of_q)) * (q - p);
     const Nearest n = nearest(x, triangle.closest(x));
@@ -105,8 +102,8 @@ Nearest closest(const Segment<double>& a, const Triangle<double>& b, double slac
     const TriangleFrame frame(b);
     Nearest best = nearest(a.a, frame.closest(a.a));
     keep_nearer(best, nearest(a.b, frame.closest(a.b)));
-    offer_crossing(a.a, a.b, glm::dot(a.a - frame.corner(), frame.normal()),
-                   glm::dot(a.b - frame.corner(), frame.normal()), frame, slack, best);
+    offer_crossing(a.a, a.b, glm::dot(a.a - frame.corner(), frame.normal()), glm::dot(a.b - frame.corner(), frame.normal()), frame, slack,
+                   best);
     for (int k = 0; k < 3 && best.sq > 0.0; ++k) keep_nearer(best, closest(a, frame.edge(k)));
     return best;
 }
@@ -119,8 +116,7 @@ void offer_faces(const TriangleFrame& a, const TriangleFrame& b, double slack, N
         const Segment<double> e = a.edge(k);
         dvec3 foot{0.0};
         if (b.project(e.a, foot)) keep_nearer(best, nearest(e.a, foot));
-        offer_crossing(e.a, e.b, glm::dot(e.a - b.corner(), b.normal()), glm::dot(e.b - b.corner(), b.normal()), b,
-                       slack, best);
+        offer_crossing(e.a, e.b, glm::dot(e.a - b.corner(), b.normal()), glm::dot(e.b - b.corner(), b.normal()), b, slack, best);
     }
 }
 

@@ -4,12 +4,11 @@
 //   TriangleFrame frame(triangle);               // made once for many points
 //   dvec3 q = frame.closest(p);
 //
-// What keeps needles and nearly parallel segments from losing half the digits: the longer direction is projected out
-// first, and the rest is solved with what remains. That is a Gram-Schmidt step, whose error is relative to the lengths,
-// where the usual determinant a e - b b (Ericson 2005, sec. 5.1.9) squares the angle between the directions and with it
-// the error. Every answer is a pair of points of the two solids with their distance as measured, the least of a few
-// candidates, so it errs to one side only: some part of a rounding, times the size of the pair, above the true
-// distance.
+// What keeps needles and nearly parallel segments from losing half the digits: the longer direction is projected out first, and
+// the rest is solved with what remains. That is a Gram-Schmidt step, whose error is relative to the lengths, where the usual
+// determinant a e - b b (Ericson 2005, sec. 5.1.9) squares the angle between the directions and with it the error. Every answer is
+// a pair of points of the two solids with their distance as measured, the least of a few candidates, so it errs to one side only:
+// some part of a rounding, times the size of the pair, above the true distance.
 #pragma once
 
 #include <carom/collision/primitives.hpp>
@@ -44,8 +43,8 @@ public:
     /// The point of the triangle's interior straight below p, if there is one.
     [[nodiscard]] bool project(const dvec3& p, dvec3& foot) const noexcept;
 
-    /// At a right angle to the longest edge to full relative precision, so that far along a needle its plane is still
-    /// its plane. Zero for a segment or a point. Not of unit length.
+    /// At a right angle to the longest edge to full relative precision, so that far along a needle its plane is still its plane. Zero
+    /// for a segment or a point. Not of unit length.
     [[nodiscard]] const dvec3& normal() const noexcept { return normal_; }
     /// The first end of the longest edge.
     [[nodiscard]] const dvec3& corner() const noexcept { return corner_; }
@@ -68,25 +67,19 @@ private:
 [[nodiscard]] dvec3 closest_on(const Segment<double>& s, const dvec3& p) noexcept;
 
 [[nodiscard]] inline Nearest closest(const dvec3& a, const dvec3& b) noexcept { return nearest(a, b); }
-[[nodiscard]] inline Nearest closest(const dvec3& a, const Segment<double>& b) noexcept {
-    return nearest(a, closest_on(b, a));
-}
-[[nodiscard]] inline Nearest closest(const dvec3& a, const Triangle<double>& b) noexcept {
-    return nearest(a, TriangleFrame(b).closest(a));
-}
-/// Cost: one interior solution; for nearly parallel segments and where the solution lies outside, four point-segment
-/// ones more.
+[[nodiscard]] inline Nearest closest(const dvec3& a, const Segment<double>& b) noexcept { return nearest(a, closest_on(b, a)); }
+[[nodiscard]] inline Nearest closest(const dvec3& a, const Triangle<double>& b) noexcept { return nearest(a, TriangleFrame(b).closest(a)); }
+/// Cost: one interior solution; for nearly parallel segments and where the solution lies outside, four point-segment ones more.
 [[nodiscard]] Nearest closest(const Segment<double>& a, const Segment<double>& b) noexcept;
-/// Crossing, two end points, three edges. Where they cross the distance is exactly 0. `slack` is the distance at which
-/// a crossing found by signs counts as one: a rounding times the size.
+/// Crossing, two end points, three edges. Where they cross the distance is exactly 0. `slack` is the distance at which a crossing found
+/// by signs counts as one: a rounding times the size.
 [[nodiscard]] Nearest closest(const Segment<double>& a, const Triangle<double>& b, double slack) noexcept;
 /// Nine pairs of edges, six corners, six crossings.
 [[nodiscard]] Nearest closest(const Triangle<double>& a, const Triangle<double>& b, double slack) noexcept;
 
-/// Replaces `best` where the segment from p to q crosses the triangle: distance 0, one common point. `of_p` and `of_q`
-/// are the ends' heights over the triangle's plane in lengths of its normal. What is only nearly a crossing competes as
-/// a pair of points.
-void offer_crossing(const dvec3& p, const dvec3& q, double of_p, double of_q, const TriangleFrame& triangle,
-                    double slack, Nearest& best) noexcept;
+/// Replaces `best` where the segment from p to q crosses the triangle: distance 0, one common point. `of_p` and `of_q` are the ends'
+/// heights over the triangle's plane in lengths of its normal. What is only nearly a crossing competes as a pair of points.
+void offer_crossing(const dvec3& p, const dvec3& q, double of_p, double of_q, const TriangleFrame& triangle, double slack,
+                    Nearest& best) noexcept;
 
 }  // namespace carom::geo::detail

@@ -1,5 +1,5 @@
-// Arrays of structs into lanes: sixteen boxes or triangles as they lie in memory become one register for each of their
-// numbers. Included by kernel files after core/lanes.hpp, which says how those are written.
+// Arrays of structs into lanes: sixteen boxes or triangles as they lie in memory become one register for each of their numbers.
+// Included by kernel files after core/lanes.hpp, which says how those are written.
 //
 //   Floats box[6];                                       // lower.x, lower.y, lower.z, upper.x, ...
 //   load_records<6>(floats, first, count, box);          // lane l: record first + l, or the last one
@@ -33,8 +33,8 @@ HWY_INLINE void load_records(const float* records, std::size_t first, std::size_
     // The last four numbers overlap the four before them, rather than the end of the array.
     for (int k = 0;; k += 4) {
         const int column = k + 4 <= size ? k : size - 4;
-        gather_rows(base, rows, static_cast<std::size_t>(size), static_cast<std::size_t>(column), x[column],
-                    x[column + 1], x[column + 2], x[column + 3]);
+        gather_rows(base, rows, static_cast<std::size_t>(size), static_cast<std::size_t>(column), x[column], x[column + 1], x[column + 2],
+                    x[column + 3]);
         if (column + 4 == size) break;
     }
 }
@@ -62,8 +62,7 @@ HWY_INLINE void store_truths(Mask m, std::size_t count, std::uint8_t* to) {
     }
 }
 
-/// Appends the numbers of the true lanes below `count` to `unclear`, which has room for kLanes more than it will ever
-/// hold.
+/// Appends the numbers of the true lanes below `count` to `unclear`, which has room for kLanes more than it will ever hold.
 HWY_INLINE std::size_t note_unclear(Mask m, std::size_t first, std::size_t count, std::int32_t* unclear) {
     if (none(m)) return 0;
     const int valid = count - first < static_cast<std::size_t>(kLanes) ? static_cast<int>(count - first) : kLanes;

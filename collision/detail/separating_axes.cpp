@@ -54,9 +54,7 @@ public:
         unclear_ |= !(gap < -doubt);
     }
     [[nodiscard]] bool apart() const noexcept { return apart_; }
-    [[nodiscard]] Verdict verdict() const noexcept {
-        return apart_ ? Verdict::Apart : unclear_ ? Verdict::Unclear : Verdict::Together;
-    }
+    [[nodiscard]] Verdict verdict() const noexcept { return apart_ ? Verdict::Apart : unclear_ ? Verdict::Unclear : Verdict::Together; }
 
 private:
     bool apart_ = false;
@@ -74,9 +72,7 @@ Interval along(const dvec3& axis, const dvec3 (&p)[3]) noexcept {
 
 double gap_between(const Interval& a, const Interval& b) noexcept { return std::max(b.low - a.high, a.low - b.high); }
 
-double largest_size(const dvec3 (&p)[3]) noexcept {
-    return std::max({sum_of_sizes(p[0]), sum_of_sizes(p[1]), sum_of_sizes(p[2])});
-}
+double largest_size(const dvec3 (&p)[3]) noexcept { return std::max({sum_of_sizes(p[0]), sum_of_sizes(p[1]), sum_of_sizes(p[2])}); }
 
 // The triangle in the box's frame.
 Verdict separate_from_box(const Triangle<double>& t, const dvec3& h, double error) noexcept {
@@ -97,8 +93,7 @@ Verdict separate_from_box(const Triangle<double>& t, const dvec3& h, double erro
     const dvec3 edges[3] = {p[1] - p[0], p[2] - p[1], p[0] - p[2]};
     for (const dvec3& e : edges) {
         const double size = sum_of_sizes(e);
-        // An edge along an axis of the box has no axis with it, and needs none: those of the other edges and faces are
-        // all.
+        // An edge along an axis of the box has no axis with it, and needs none: those of the other edges and faces are all.
         if (std::max(std::fabs(e.y), std::fabs(e.z)) > error * size) test({0.0, -e.z, e.y}, size);
         if (std::max(std::fabs(e.z), std::fabs(e.x)) > error * size) test({e.z, 0.0, -e.x}, size);
         if (std::max(std::fabs(e.x), std::fabs(e.y)) > error * size) test({-e.y, e.x, 0.0}, size);
@@ -110,9 +105,7 @@ Verdict separate_from_box(const Triangle<double>& t, const dvec3& h, double erro
 }  // namespace
 
 Verdict separate(const Obb<double>& a, const Obb<double>& b, double error) noexcept {
-    const auto in_a = [&](const dvec3& v) {
-        return dvec3{glm::dot(a.axes[0], v), glm::dot(a.axes[1], v), glm::dot(a.axes[2], v)};
-    };
+    const auto in_a = [&](const dvec3& v) { return dvec3{glm::dot(a.axes[0], v), glm::dot(a.axes[1], v), glm::dot(a.axes[2], v)}; };
     return separate_boxes(a.half_extents, b.half_extents, in_a(b.center - a.center),
                           dmat3{in_a(b.axes[0]), in_a(b.axes[1]), in_a(b.axes[2])}, error);
 }
@@ -133,16 +126,14 @@ Verdict separate(const Triangle<double>& a, const Triangle<double>& b, double er
     const double reach = largest_size(p) + largest_size(q);
     Axes axes;
     const auto test = [&](const dvec3& axis, double doubt) {
-        axes.add(gap_between(along(axis, p), along(axis, q)), error * reach * sum_of_sizes(axis),
-                 error * reach * doubt);
+        axes.add(gap_between(along(axis, p), along(axis, q)), error * reach * sum_of_sizes(axis), error * reach * doubt);
         return axes.apart();
     };
     for (const Triangle<double>* t : {&a, &b}) {
         const dvec3 normal = TriangleFrame(*t).normal();
         if (test(normal, sum_of_sizes(normal))) return Verdict::Apart;
     }
-    const dvec3 edges_a[3] = {p[1] - p[0], p[2] - p[1], p[0] - p[2]},
-                edges_b[3] = {q[1] - q[0], q[2] - q[1], q[0] - q[2]};
+    const dvec3 edges_a[3] = {p[1] - p[0], p[2] - p[1], p[0] - p[2]}, edges_b[3] = {q[1] - q[0], q[2] - q[1], q[0] - q[2]};
     for (const dvec3& e : edges_a) {
         for (const dvec3& f : edges_b) {
             if (test(glm::cross(e, f), sum_of_sizes(e) * sum_of_sizes(f))) return Verdict::Apart;

@@ -1,13 +1,12 @@
-// What the tests of two primitives compute with: the core of each (a point, segment, triangle or box) and its radius,
-// in double, relative to a point of the pair.
+// What the tests of two primitives compute with: the core of each (a point, segment, triangle or box) and its radius, in double,
+// relative to a point of the pair.
 //
 //   Pair pair = make_pair(geo::Sphere<float>{...}, geo::Obb<float>{...});   // Pair<dvec3, Obb<double>>
 //   if (!pair.valid) return false;                                         // NaN, an empty solid
 //
-// A sphere is a point with a radius, a capsule a segment with one. Floats become doubles exactly, so float input is
-// computed with 29 bits to spare. Coordinates are taken relative to the first solid, so what is lost to rounding is
-// relative to the pair, not to its distance from the origin; and scaled by a power of two where squares and cubes of
-// them would leave the range of double.
+// A sphere is a point with a radius, a capsule a segment with one. Floats become doubles exactly, so float input is computed with 29
+// bits to spare. Coordinates are taken relative to the first solid, so what is lost to rounding is relative to the pair, not to its
+// distance from the origin; and scaled by a power of two where squares and cubes of them would leave the range of double.
 #pragma once
 
 #include <carom/collision/primitives.hpp>
@@ -138,13 +137,9 @@ private:
 
 [[nodiscard]] inline dvec3 scaled(const dvec3& p, double s) noexcept { return s * p; }
 [[nodiscard]] inline Segment<double> scaled(const Segment<double>& x, double s) noexcept { return {s * x.a, s * x.b}; }
-[[nodiscard]] inline Triangle<double> scaled(const Triangle<double>& t, double s) noexcept {
-    return {s * t.a, s * t.b, s * t.c};
-}
+[[nodiscard]] inline Triangle<double> scaled(const Triangle<double>& t, double s) noexcept { return {s * t.a, s * t.b, s * t.c}; }
 [[nodiscard]] inline AlignedBox scaled(const AlignedBox& b, double s) noexcept { return {s * b.center, s * b.half}; }
-[[nodiscard]] inline Obb<double> scaled(const Obb<double>& b, double s) noexcept {
-    return {s * b.center, s * b.half_extents, b.axes};
-}
+[[nodiscard]] inline Obb<double> scaled(const Obb<double>& b, double s) noexcept { return {s * b.center, s * b.half_extents, b.axes}; }
 
 /// Two solids in one frame: x in the caller's is origin + x / scale here, and back.
 template <class CoreA, class CoreB>
@@ -162,8 +157,7 @@ struct Pair {
 template <class ShapeA, class ShapeB>
 [[nodiscard]] auto make_pair(const ShapeA& a, const ShapeB& b) noexcept {
     const dvec3 o = anchor(a);
-    Pair<decltype(core(a, o)), decltype(core(b, o))> pair{core(a, o), core(b, o), radius(a), radius(b),
-                                                          o,          1.0,        0.0,       false};
+    Pair<decltype(core(a, o)), decltype(core(b, o))> pair{core(a, o), core(b, o), radius(a), radius(b), o, 1.0, 0.0, false};
     Reach reach;
     reach.add(pair.a), reach.add(pair.b), reach.add(pair.radius_a), reach.add(pair.radius_b);
     pair.size = reach.largest();

@@ -56,8 +56,7 @@ public:
     Random& random() { return random_; }
     bool one_in(int n) { return random_.unit() * n < 1.0; }
 
-    /// One in four on a grid of halves, where things touch, lie flat and are parallel; the rest anywhere in [-size,
-    /// size]^3.
+    /// One in four on a grid of halves, where things touch, lie flat and are parallel; the rest anywhere in [-size, size]^3.
     Vec3<T> point(double size) {
         dvec3 p{random_.range(-size, size), random_.range(-size, size), random_.range(-size, size)};
         if (grid_) {
@@ -75,21 +74,16 @@ public:
         dquat q = rotation_from_vector({random_.range(-3, 3), random_.range(-3, 3), random_.range(-3, 3)});
         if (grid_) q = rotation_about({0, 0, 1}, kPi / 2 * std::round(random_.range(0, 3)));
         // Nearly along the axes: where edges are nearly parallel, by an angle of any magnitude.
-        if (one_in(3))
-            q = rotation_from_vector(dvec3(point(1.0)) * std::ldexp(1.0, -static_cast<int>(random_.range(0, 50))));
+        if (one_in(3)) q = rotation_from_vector(dvec3(point(1.0)) * std::ldexp(1.0, -static_cast<int>(random_.range(0, 50))));
         const dquat u = q / std::sqrt(glm::dot(q, q));
-        return glm::mat<3, 3, T>(
-            dmat3{rotate(u, dvec3{1, 0, 0}), rotate(u, dvec3{0, 1, 0}), rotate(u, dvec3{0, 0, 1})});
+        return glm::mat<3, 3, T>(dmat3{rotate(u, dvec3{1, 0, 0}), rotate(u, dvec3{0, 1, 0}), rotate(u, dvec3{0, 0, 1})});
     }
 
     void make(Vec3<T>& p) { p = point(1.0); }
     void make(geo::Segment<T>& s) {
         s = {point(1.0), point(1.0)};
         if (one_in(8)) s.b = s.a;
-        if (one_in(6))
-            s.b = s.a +
-                  Vec3<T>(1, 0,
-                          static_cast<T>(std::ldexp(random_.range(-1, 1), -static_cast<int>(random_.range(0, 50)))));
+        if (one_in(6)) s.b = s.a + Vec3<T>(1, 0, static_cast<T>(std::ldexp(random_.range(-1, 1), -static_cast<int>(random_.range(0, 50)))));
     }
     void make(geo::Sphere<T>& s) { s = {point(1.0), length()}; }
     void make(geo::Capsule<T>& c) {
@@ -109,8 +103,7 @@ public:
         t = {point(1.0), point(1.0), point(1.0)};
         if (one_in(4)) {  // a needle, of any thinness down to none
             const T s = static_cast<T>(random_.range(-0.2, 1.2));
-            t.c = t.a + s * (t.b - t.a) +
-                  Vec3<T>(dvec3(point(1.0)) * std::ldexp(1.0, -static_cast<int>(random_.range(1, 56))));
+            t.c = t.a + s * (t.b - t.a) + Vec3<T>(dvec3(point(1.0)) * std::ldexp(1.0, -static_cast<int>(random_.range(1, 56))));
         }
         if (one_in(16)) t.c = t.a;
         if (one_in(40)) t.b = t.c = t.a;
@@ -122,9 +115,7 @@ public:
         A a;
         B b;
         make(a), make(b);
-        return {a,
-                moved(b, dvec3{random_.range(-1, 1), random_.range(-1, 1), random_.range(-1, 1)} * (grid_ ? 0.0 : 1.5),
-                      1.0)};
+        return {a, moved(b, dvec3{random_.range(-1, 1), random_.range(-1, 1), random_.range(-1, 1)} * (grid_ ? 0.0 : 1.5), 1.0)};
     }
 
     /// Brought to where they just touch, just not, or just overlap: off by nothing or by a few roundings up to 1e-3.
@@ -136,9 +127,8 @@ public:
             const dvec3 d(dvec3(c.on_a) - dvec3(c.on_b));
             b = moved(b, d, 1.0);
         }
-        const double off = one_in(4) ? 0.0
-                                     : std::ldexp(random_.range(-1, 1),
-                                                  -static_cast<int>(random_.range(10, sizeof(T) == 4 ? 28 : 56)));
+        const double off =
+            one_in(4) ? 0.0 : std::ldexp(random_.range(-1, 1), -static_cast<int>(random_.range(10, sizeof(T) == 4 ? 28 : 56)));
         return {a, moved(b, dvec3{random_.range(-1, 1), random_.range(-1, 1), random_.range(-1, 1)} * off, 1.0)};
     }
 
