@@ -33,29 +33,32 @@ float first_hit(const Item& item, const Ray<float>& ray) {
 }  // namespace
 
 void cast_ray_batch(std::span<const Aabb<float>> boxes, const Ray<float>& ray, std::span<float> t) {
-    run(boxes, t, [&](auto items, float* out, std::int32_t* unclear) { return detail::ray_boxes(ray, items, out, unclear); },
+    run(
+        boxes, t, [&](auto items, float* out, std::int32_t* unclear) { return detail::ray_boxes(ray, items, out, unclear); },
         [&](const Aabb<float>& box) { return first_hit(box, ray); });
 }
 
 void cast_ray_batch(std::span<const Triangle<float>> triangles, const Ray<float>& ray, std::span<float> t) {
-    run(triangles, t, [&](auto items, float* out, std::int32_t* unclear) { return detail::ray_triangles(ray, items, out, unclear); },
+    run(
+        triangles, t, [&](auto items, float* out, std::int32_t* unclear) { return detail::ray_triangles(ray, items, out, unclear); },
         [&](const Triangle<float>& triangle) { return first_hit(triangle, ray); });
 }
 
 void overlaps_batch(std::span<const Aabb<float>> boxes, const Sphere<float>& sphere, std::span<std::uint8_t> hit) {
-    run(boxes, hit,
-        [&](auto items, std::uint8_t* out, std::int32_t* unclear) { return detail::sphere_boxes(sphere, items, out, unclear); },
+    run(
+        boxes, hit, [&](auto items, std::uint8_t* out, std::int32_t* unclear) { return detail::sphere_boxes(sphere, items, out, unclear); },
         [&](const Aabb<float>& box) -> std::uint8_t { return overlaps(sphere, box) ? 1 : 0; });
 }
 
 void overlaps_batch(std::span<const Obb<float>> boxes, const Obb<float>& box, std::span<std::uint8_t> hit) {
-    run(boxes, hit, [&](auto items, std::uint8_t* out, std::int32_t* unclear) { return detail::box_boxes(box, items, out, unclear); },
+    run(
+        boxes, hit, [&](auto items, std::uint8_t* out, std::int32_t* unclear) { return detail::box_boxes(box, items, out, unclear); },
         [&](const Obb<float>& other) -> std::uint8_t { return overlaps(box, other) ? 1 : 0; });
 }
 
-void closest_points_batch(std::span<const Triangle<float>> triangles, const Vec3<float>& point,
-                          std::span<ClosestPoints<float>> closest) {
-    run(triangles, closest,
+void closest_points_batch(std::span<const Triangle<float>> triangles, const Vec3<float>& point, std::span<ClosestPoints<float>> closest) {
+    run(
+        triangles, closest,
         [&](auto items, ClosestPoints<float>* out, std::int32_t* unclear) { return detail::point_triangles(point, items, out, unclear); },
         [&](const Triangle<float>& triangle) { return closest_points(point, triangle); });
 }

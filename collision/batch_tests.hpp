@@ -25,7 +25,7 @@ namespace carom::geo {
 /// Where the ray enters each box, as cast_ray(box, ray).
 /// @param boxes  (n,) @param ray  any; a bad one hits nothing.
 /// @param t      (n,), becomes t of the hit, ray.t_min where the ray starts inside, infinity for a miss. Within 8 float eps of itself.
-/// Cost: some 1.5 ns a box with AVX-512.
+/// Cost: some 3 ns a box with AVX-512, 6 with AVX2.
 void cast_ray_batch(std::span<const Aabb<float>> boxes, const Ray<float>& ray, std::span<float> t);
 
 /// Where the ray hits each triangle, from either side, as cast_ray(triangle, ray); its watertight verdicts too. For the weights and the
@@ -33,17 +33,17 @@ void cast_ray_batch(std::span<const Aabb<float>> boxes, const Ray<float>& ray, s
 /// @param triangles  (n,)
 /// @param t          (n,), becomes t of the hit, infinity for a miss. The point t lies at is within 512 float eps S of the true one,
 ///                   with S the distance of the ray's origin from the triangle's corners.
-/// Cost: some 3 ns a triangle with AVX-512; what grazes the ray's direction or is a needle costs as much as one alone.
+/// Cost: some 13 ns a triangle with AVX-512, 16 with AVX2; what the ray grazes and needles cost as much as one alone.
 void cast_ray_batch(std::span<const Triangle<float>> triangles, const Ray<float>& ray, std::span<float> t);
 
 /// Whether the sphere overlaps each box, as overlaps(sphere, box).
 /// @param boxes  (n,) @param hit  (n,), becomes 1 or 0.
-/// Cost: some 1.5 ns a box with AVX-512.
+/// Cost: some 3 ns a box with AVX-512, 6 with AVX2.
 void overlaps_batch(std::span<const Aabb<float>> boxes, const Sphere<float>& sphere, std::span<std::uint8_t> hit);
 
 /// Whether `box` overlaps each of the boxes, as overlaps(box, boxes[i]).
 /// @param boxes  (n,) @param hit  (n,), becomes 1 or 0.
-/// Cost: some 4 to 9 ns a box with AVX-512, less where all are far.
+/// Cost: some 8 to 10 ns a box with AVX-512, 13 to 19 with AVX2.
 void overlaps_batch(std::span<const Obb<float>> boxes, const Obb<float>& box, std::span<std::uint8_t> hit);
 
 /// The point of each triangle that is closest to `point`, and the squared distance; on_a is `point`.
@@ -51,8 +51,7 @@ void overlaps_batch(std::span<const Obb<float>> boxes, const Obb<float>& box, st
 /// @param closest    (n,). NaN throughout where closest_points() has NaN.
 /// Accuracy: float throughout, unlike closest_points(): distances are met, and points lie on their triangles, within 16 float eps of
 /// the largest coordinate difference.
-/// Cost: some 5 ns a triangle with AVX-512.
-void closest_points_batch(std::span<const Triangle<float>> triangles, const Vec3<float>& point,
-                          std::span<ClosestPoints<float>> closest);
+/// Cost: some 13 ns a triangle with AVX-512, 21 with AVX2.
+void closest_points_batch(std::span<const Triangle<float>> triangles, const Vec3<float>& point, std::span<ClosestPoints<float>> closest);
 
 }  // namespace carom::geo

@@ -24,8 +24,7 @@ detail::Nearest rounded(const detail::Nearest& n, double radius_a, double radius
 }  // namespace
 
 template <Measurable A, Measurable B>
-requires std::same_as<detail::Scalar<A>, detail::Scalar<B>> ClosestPoints<detail::Scalar<A>> closest_points(const A& a,
-                                                                                                            const B& b)
+requires std::same_as<detail::Scalar<A>, detail::Scalar<B>> ClosestPoints<detail::Scalar<A>> closest_points(const A& a, const B& b)
 noexcept {
     using T = detail::Scalar<A>;
     const auto pair = detail::make_pair(a, b);

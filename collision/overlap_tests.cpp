@@ -10,8 +10,7 @@ template <class T>
 bool boxes_overlap(const Aabb<T>& a, const Aabb<T>& b) noexcept {
     bool meet = true;
     for (int i = 0; i < 3; ++i) {
-        meet &= a.lower[i] <= b.upper[i] && b.lower[i] <= a.upper[i] && a.lower[i] <= a.upper[i] &&
-                b.lower[i] <= b.upper[i];
+        meet &= a.lower[i] <= b.upper[i] && b.lower[i] <= a.upper[i] && a.lower[i] <= a.upper[i] && b.lower[i] <= b.upper[i];
     }
     return meet;
 }
@@ -58,8 +57,7 @@ bool overlaps(const A& a, const B& b) noexcept {
     CAROM_OVERLAPS(A, Aabb, T) CAROM_OVERLAPS(A, Obb, T) CAROM_OVERLAPS(A, Capsule, T) CAROM_OVERLAPS(A, Triangle, T)
 #define CAROM_OVERLAPS_TABLE(T)   \
     CAROM_OVERLAPS_ALL(Sphere, T) \
-    CAROM_OVERLAPS_ALL(Aabb, T)   \
-    CAROM_OVERLAPS_ALL(Obb, T) CAROM_OVERLAPS_ALL(Capsule, T) CAROM_OVERLAPS_ALL(Triangle, T)
+    CAROM_OVERLAPS_ALL(Aabb, T) CAROM_OVERLAPS_ALL(Obb, T) CAROM_OVERLAPS_ALL(Capsule, T) CAROM_OVERLAPS_ALL(Triangle, T)
 CAROM_OVERLAPS_TABLE(float)
 CAROM_OVERLAPS_TABLE(double)
 #undef CAROM_OVERLAPS_TABLE

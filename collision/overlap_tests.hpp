@@ -22,11 +22,12 @@ concept Overlappable = detail::kIsOneOf<A, Sphere, Aabb, Obb, Capsule, Triangle>
 /// two, half extent or radius: conservative, so `false` is certain, and `true` is wrong at most where the two are within 32 eps size
 /// of each other; with an Obb, whose axes are orthonormal only to T, within 128 u size, and `false` is certain for axes
 /// orthonormal to 2 u. Two Aabbs are exact.
-/// Cost: O(1), no allocation, thread-safe; some 5 to 60 ns. Triangles that touch others or boxes to rounding cost some 500 ns.
+/// Cost: O(1), no allocation, thread-safe; some 20 ns for a sphere and an Aabb, 75 to 130 ns for turned boxes. Triangles that touch
+/// others or boxes to rounding cost their distance too.
 /// Source: Gottschalk, Lin, Manocha (1996) for boxes, Akenine-Moller (2001) for triangle and box, Ericson (2005) sec. 5.2. Instead of a
 /// constant added to parallel edges, a verdict that an edge's axis cannot carry is left to the distance (closest_points.hpp).
 template <Overlappable A, Overlappable B>
-    requires std::same_as<detail::Scalar<A>, detail::Scalar<B>>
+requires std::same_as<detail::Scalar<A>, detail::Scalar<B>>
 [[nodiscard]] bool overlaps(const A& a, const B& b) noexcept;
 
 }  // namespace carom::geo

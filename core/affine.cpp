@@ -40,8 +40,7 @@ Status check_affine(const dmat4& m, const char* where) {
 
 // How far three vectors are from perpendicular, with those that are of unit length.
 double shear_of(const dmat3& m) noexcept {
-    return std::max(
-        {std::fabs(glm::dot(m[0], m[1])), std::fabs(glm::dot(m[1], m[2])), std::fabs(glm::dot(m[2], m[0]))});
+    return std::max({std::fabs(glm::dot(m[0], m[1])), std::fabs(glm::dot(m[1], m[2])), std::fabs(glm::dot(m[2], m[0]))});
 }
 
 double determinant(const dmat3& m) noexcept { return glm::dot(m[0], glm::cross(m[1], m[2])); }
@@ -68,10 +67,8 @@ Result<ScaledPose> decompose(const dmat4& m, double tolerance) {
     for (int k = 0; k < 3; ++k) {
         scale[k] = length(axes[k]);
         if (!(scale[k] > 0.0))
-            return refused(ErrorCode::Degenerate, "column " + std::to_string(k) + " is zero: the map flattens space",
-                           kWhere);
-        if (!is_finite(scale[k]))
-            return refused(ErrorCode::NotFinite, "the length of column " + std::to_string(k) + " overflows", kWhere);
+            return refused(ErrorCode::Degenerate, "column " + std::to_string(k) + " is zero: the map flattens space", kWhere);
+        if (!is_finite(scale[k])) return refused(ErrorCode::NotFinite, "the length of column " + std::to_string(k) + " overflows", kWhere);
         const double power = scale_of(axes[k]);
         axes[k] = (axes[k] / power) / (scale[k] / power);
     }
@@ -90,23 +87,19 @@ Result<Pose> pose_from_matrix(const dmat4& m, double tolerance) {
     constexpr const char* kWhere = "pose_from_matrix";
     Result<ScaledPose> scaled = decompose(m, tolerance);
     if (!scaled) return refused(scaled.error().code, scaled.error().message, kWhere);
-    if (scaled->scale.x < 0.0)
-        return refused(ErrorCode::InvalidArgument, "the determinant is negative: the map mirrors", kWhere);
+    if (scaled->scale.x < 0.0) return refused(ErrorCode::InvalidArgument, "the determinant is negative: the map mirrors", kWhere);
     // A squared length, as the products of different columns are.
     for (int k = 0; k < 3; ++k) {
         if (!(std::fabs(scaled->scale[k] * scaled->scale[k] - 1.0) <= tolerance)) {
-            return refused(
-                ErrorCode::InvalidArgument,
-                "column " + std::to_string(k) + " has length " + std::to_string(scaled->scale[k]) + ": the map scales",
-                kWhere);
+            return refused(ErrorCode::InvalidArgument,
+                           "column " + std::to_string(k) + " has length " + std::to_string(scaled->scale[k]) + ": the map scales", kWhere);
         }
     }
     return scaled->pose;
 }
 
 dvec3 transform_normal(const dmat3& m, const dvec3& n) noexcept {
-    // Of m = c diag(powers), c has columns of a size near one; the inverse transpose is that of c, after n is divided
-    // by the powers.
+    // Of m = c diag(powers), c has columns of a size near one; the inverse transpose is that of c, after n is divided by the powers.
     dmat3 c = m;
     int exponents[3] = {};
     int least = 2000;
@@ -118,8 +111,7 @@ dvec3 transform_normal(const dmat3& m, const dvec3& n) noexcept {
     }
     dvec3 across = n / scale_of(n);
     for (int k = 0; k < 3; ++k) across[k] = std::ldexp(across[k], exponents[k] == 2000 ? 0 : least - exponents[k]);
-    const dvec3 image =
-        across.x * glm::cross(c[1], c[2]) + across.y * glm::cross(c[2], c[0]) + across.z * glm::cross(c[0], c[1]);
+    const dvec3 image = across.x * glm::cross(c[1], c[2]) + across.y * glm::cross(c[2], c[0]) + across.z * glm::cross(c[0], c[1]);
     const double size = length(image);
     if (!(size > 0.0) || !is_finite(size)) return dvec3{0.0};
     return (determinant(c) < 0.0 ? -1.0 : 1.0) * (image / size);

@@ -16,8 +16,7 @@ namespace carom {
 
 using glm::dmat4;
 
-/// How far the product of a matrix' columns may be from that of perpendicular unit vectors: above what float matrices
-/// lose.
+/// How far the product of a matrix' columns may be from that of perpendicular unit vectors: above what float matrices lose.
 inline constexpr double kRigidTolerance = 0x1p-18;
 
 /// @return the matrix of a pose. Accuracy: as rotation_matrix(); the position is exact.
@@ -25,11 +24,9 @@ inline constexpr double kRigidTolerance = 0x1p-18;
 
 /// The pose of a rigid map.
 /// @param m          the last row is 0 0 0 1.
-/// @param tolerance  >= 0; how far the columns may be from perpendicular unit vectors. Within it the rotation is the
-/// one of
+/// @param tolerance  >= 0; how far the columns may be from perpendicular unit vectors. Within it the rotation is the one of
 ///                   rotation_from_matrix() after one step towards orthonormal columns, which squares the error.
-/// @return           Error: NotFinite for NaN and infinity; InvalidArgument, with what was found, for a projection, a
-/// scale, a shear or
+/// @return           Error: NotFinite for NaN and infinity; InvalidArgument, with what was found, for a projection, a scale, a shear or
 ///                   a mirror; Degenerate for a map that flattens space.
 [[nodiscard]] Result<Pose> pose_from_matrix(const dmat4& m, double tolerance = kRigidTolerance);
 
@@ -40,18 +37,14 @@ struct ScaledPose {
 };
 
 /// Decomposes m into rotation and scale.
-/// @param m, tolerance  as above; the columns may have any lengths, but are perpendicular within the tolerance,
-/// relative to the lengths.
-/// @return              scale > 0, but for mirrors, whose scale.x is negative. Error: as above; InvalidArgument for a
-/// shear,
+/// @param m, tolerance  as above; the columns may have any lengths, but are perpendicular within the tolerance, relative to the lengths.
+/// @return              scale > 0, but for mirrors, whose scale.x is negative. Error: as above; InvalidArgument for a shear,
 ///                      Degenerate where a column has no length.
 [[nodiscard]] Result<ScaledPose> decompose(const dmat4& m, double tolerance = kRigidTolerance);
 
-/// How a linear map turns a surface: the normal of the image of a plane with normal n. That is not m n unless m is
-/// rigid, but the inverse transpose, computed here by cofactors, so that maps that flatten space along other directions
-/// than the plane's work too.
-/// @return unit, on the same side as n: what was outside stays outside, for mirrors too. Zero where the plane's image
-/// is a line or a
+/// How a linear map turns a surface: the normal of the image of a plane with normal n. That is not m n unless m is rigid, but the
+/// inverse transpose, computed here by cofactors, so that maps that flatten space along other directions than the plane's work too.
+/// @return unit, on the same side as n: what was outside stays outside, for mirrors too. Zero where the plane's image is a line or a
 ///         point, or m or n is not finite.
 /// Source: Akenine-Moller et al., Real-Time Rendering (2018), sec. 4.1.7.
 [[nodiscard]] dvec3 transform_normal(const dmat3& m, const dvec3& n) noexcept;

@@ -39,8 +39,8 @@ Double2 minus(const Double2& a, const Double2& b) noexcept {
     return two_sum(s.high, s.low + (a.low - b.low));
 }
 
-// arctan(y / x) for 2^-60 x <= y <= x, x in [1, 2): arctan(c) + arctan((y - c x) / (x + c y)) with c the multiple of
-// 1/16 nearest to y / x, so that the second is at most 1/32 and a few terms of Taylor's series leave 2^-64 of it.
+// arctan(y / x) for 2^-60 x <= y <= x, x in [1, 2): arctan(c) + arctan((y - c x) / (x + c y)) with c the multiple of 1/16 nearest to
+// y / x, so that the second is at most 1/32 and a few terms of Taylor's series leave 2^-64 of it.
 Double2 arctan_of_ratio(double y, double x) noexcept {
     const int k = static_cast<int>(16.0 * (y / x) + 0.5);
     const double c = static_cast<double>(k) / 16.0;
@@ -54,8 +54,7 @@ Double2 arctan_of_ratio(double y, double x) noexcept {
     const double series =
         -0x1.5555555555555p-2 +
         z * (0x1.999999999999ap-3 +
-             z * (-0x1.2492492492492p-3 +
-                  z * (0x1.c71c71c71c71cp-4 + z * (-0x1.745d1745d1746p-4 + z * 0x1.3b13b13b13b14p-4))));
+             z * (-0x1.2492492492492p-3 + z * (0x1.c71c71c71c71cp-4 + z * (-0x1.745d1745d1746p-4 + z * 0x1.3b13b13b13b14p-4))));
     const Double2 sum = two_sum(kArctan[k].high, t);
     return two_sum(sum.high, sum.low + (kArctan[k].low + (t_low + t * z * series)));
 }

@@ -25,7 +25,7 @@ struct SinCos {
 /// The angle of the vector (x, y) from the x axis [rad], in [-pi, pi]; its sign is that of y.
 /// NaN for NaN. Zeros and infinities as IEEE 754 has them: (±0, +0) gives ±0, (±0, -0) ±pi, (±inf, +inf) ±pi/4.
 /// Accuracy: error at most 0.51 ulp over the whole range, denormal results included (tests/core/math_test.cpp has the worst seen).
-/// Cost: some 15 ns. Source: a table and Taylor's series, Muller, Elementary Functions (2016), sec. 6.3; quotient and sums carry their
+/// Source: a table and Taylor's series, Muller, Elementary Functions (2016), sec. 6.3; quotient and sums carry their
 /// rounding errors.
 [[nodiscard]] double arctan2(double y, double x) noexcept;
 

@@ -58,14 +58,13 @@ EulerAngles euler_angles(const dquat& q, EulerOrder order) noexcept {
     const double parity = o.parity;
     const dmat3 columns = rotation_matrix(q);
     const auto r = [&](int row, int column) { return columns[column][row]; };
-    // Row i of Ri(a) Rj(b) Rk(c) is (cos b cos c, -e cos b sin c, e sin b), column k is (e sin b, -e sin a cos b, cos a
-    // cos b).
+    // Row i of Ri(a) Rj(b) Rk(c) is (cos b cos c, -e cos b sin c, e sin b), column k is (e sin b, -e sin a cos b, cos a cos b).
     const double sine = parity * r(i, k), cosine = std::sqrt(r(j, k) * r(j, k) + r(k, k) * r(k, k));
     EulerAngles angles;
     angles.second = arctan2(sine, cosine);
     if (!(cosine <= 0x1p-50)) angles.first = arctan2(-parity * r(j, k), r(k, k));
-    // With the first turn undone, row j is (e sin c, cos c, 0), of unit length whatever b is: so the third angle
-    // completes the first one to the right rotation, even where that one is noise.
+    // With the first turn undone, row j is (e sin c, cos c, 0), of unit length whatever b is: so the third angle completes the first one
+    // to the right rotation, even where that one is noise.
     const SinCos first = sin_cos(angles.first);
     const auto undone = [&](int column) { return first.cos * r(j, column) + parity * first.sin * r(k, column); };
     angles.third = arctan2(parity * undone(i), undone(j));

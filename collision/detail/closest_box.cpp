@@ -6,9 +6,7 @@ namespace carom::geo::detail {
 namespace {
 
 // Corner k of a box at the origin: bit i of k chooses the side on axis i.
-dvec3 corner(const dvec3& h, int k) noexcept {
-    return {(k & 1) != 0 ? h.x : -h.x, (k & 2) != 0 ? h.y : -h.y, (k & 4) != 0 ? h.z : -h.z};
-}
+dvec3 corner(const dvec3& h, int k) noexcept { return {(k & 1) != 0 ? h.x : -h.x, (k & 2) != 0 ? h.y : -h.y, (k & 4) != 0 ? h.z : -h.z}; }
 
 // Edge k of 12: along axis k / 4, from the corner that has that axis' bit clear.
 Segment<double> edge(const dvec3& h, int k) noexcept {

@@ -102,8 +102,8 @@ Nearest closest(const Segment<double>& a, const Triangle<double>& b, double slac
     const TriangleFrame frame(b);
     Nearest best = nearest(a.a, frame.closest(a.a));
     keep_nearer(best, nearest(a.b, frame.closest(a.b)));
-    offer_crossing(a.a, a.b, glm::dot(a.a - frame.corner(), frame.normal()), glm::dot(a.b - frame.corner(), frame.normal()), frame,
-                   slack, best);
+    offer_crossing(a.a, a.b, glm::dot(a.a - frame.corner(), frame.normal()), glm::dot(a.b - frame.corner(), frame.normal()), frame, slack,
+                   best);
     for (int k = 0; k < 3 && best.sq > 0.0; ++k) keep_nearer(best, closest(a, frame.edge(k)));
     return best;
 }

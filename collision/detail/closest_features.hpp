@@ -68,9 +68,7 @@ private:
 
 [[nodiscard]] inline Nearest closest(const dvec3& a, const dvec3& b) noexcept { return nearest(a, b); }
 [[nodiscard]] inline Nearest closest(const dvec3& a, const Segment<double>& b) noexcept { return nearest(a, closest_on(b, a)); }
-[[nodiscard]] inline Nearest closest(const dvec3& a, const Triangle<double>& b) noexcept {
-    return nearest(a, TriangleFrame(b).closest(a));
-}
+[[nodiscard]] inline Nearest closest(const dvec3& a, const Triangle<double>& b) noexcept { return nearest(a, TriangleFrame(b).closest(a)); }
 /// Cost: one interior solution; for nearly parallel segments and where the solution lies outside, four point-segment ones more.
 [[nodiscard]] Nearest closest(const Segment<double>& a, const Segment<double>& b) noexcept;
 /// Crossing, two end points, three edges. Where they cross the distance is exactly 0. `slack` is the distance at which a crossing found

@@ -21,7 +21,7 @@ inline constexpr int kRank = std::is_same_v<Core, dvec3>              ? 0
 
 template <class A, class B>
 [[nodiscard]] Nearest closest_cores(const A& a, const B& b, double size) noexcept {
-    if constexpr (kRank<A> > kRank<B>) {
+    if constexpr (kRank < A >> kRank<B>) {
         return swapped(closest_cores(b, a, size));
     } else if constexpr (requires { closest(a, b, size); }) {
         return closest(a, b, slack(size));

@@ -33,8 +33,8 @@ HWY_INLINE void load_records(const float* records, std::size_t first, std::size_
     // The last four numbers overlap the four before them, rather than the end of the array.
     for (int k = 0;; k += 4) {
         const int column = k + 4 <= size ? k : size - 4;
-        gather_rows(base, rows, static_cast<std::size_t>(size), static_cast<std::size_t>(column), x[column], x[column + 1],
-                    x[column + 2], x[column + 3]);
+        gather_rows(base, rows, static_cast<std::size_t>(size), static_cast<std::size_t>(column), x[column], x[column + 1], x[column + 2],
+                    x[column + 3]);
         if (column + 4 == size) break;
     }
 }

@@ -54,9 +54,7 @@ public:
         unclear_ |= !(gap < -doubt);
     }
     [[nodiscard]] bool apart() const noexcept { return apart_; }
-    [[nodiscard]] Verdict verdict() const noexcept {
-        return apart_ ? Verdict::Apart : unclear_ ? Verdict::Unclear : Verdict::Together;
-    }
+    [[nodiscard]] Verdict verdict() const noexcept { return apart_ ? Verdict::Apart : unclear_ ? Verdict::Unclear : Verdict::Together; }
 
 private:
     bool apart_ = false;

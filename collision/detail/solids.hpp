@@ -29,29 +29,51 @@ template <class T>
 
 // A point of the solid or near it, to which the pair is taken relative.
 template <class T>
-[[nodiscard]] dvec3 anchor(const Vec3<T>& p) noexcept { return wide(p); }
+[[nodiscard]] dvec3 anchor(const Vec3<T>& p) noexcept {
+    return wide(p);
+}
 template <class T>
-[[nodiscard]] dvec3 anchor(const Segment<T>& s) noexcept { return wide(s.a); }
+[[nodiscard]] dvec3 anchor(const Segment<T>& s) noexcept {
+    return wide(s.a);
+}
 template <class T>
-[[nodiscard]] dvec3 anchor(const Triangle<T>& t) noexcept { return wide(t.a); }
+[[nodiscard]] dvec3 anchor(const Triangle<T>& t) noexcept {
+    return wide(t.a);
+}
 template <class T>
-[[nodiscard]] dvec3 anchor(const Sphere<T>& s) noexcept { return wide(s.center); }
+[[nodiscard]] dvec3 anchor(const Sphere<T>& s) noexcept {
+    return wide(s.center);
+}
 template <class T>
-[[nodiscard]] dvec3 anchor(const Capsule<T>& c) noexcept { return wide(c.axis.a); }
+[[nodiscard]] dvec3 anchor(const Capsule<T>& c) noexcept {
+    return wide(c.axis.a);
+}
 template <class T>
-[[nodiscard]] dvec3 anchor(const Aabb<T>& b) noexcept { return wide(b.lower); }
+[[nodiscard]] dvec3 anchor(const Aabb<T>& b) noexcept {
+    return wide(b.lower);
+}
 template <class T>
-[[nodiscard]] dvec3 anchor(const Obb<T>& b) noexcept { return wide(b.center); }
+[[nodiscard]] dvec3 anchor(const Obb<T>& b) noexcept {
+    return wide(b.center);
+}
 
 // The core relative to `o`.
 template <class T>
-[[nodiscard]] dvec3 core(const Vec3<T>& p, const dvec3& o) noexcept { return wide(p) - o; }
+[[nodiscard]] dvec3 core(const Vec3<T>& p, const dvec3& o) noexcept {
+    return wide(p) - o;
+}
 template <class T>
-[[nodiscard]] dvec3 core(const Sphere<T>& s, const dvec3& o) noexcept { return wide(s.center) - o; }
+[[nodiscard]] dvec3 core(const Sphere<T>& s, const dvec3& o) noexcept {
+    return wide(s.center) - o;
+}
 template <class T>
-[[nodiscard]] Segment<double> core(const Segment<T>& s, const dvec3& o) noexcept { return {wide(s.a) - o, wide(s.b) - o}; }
+[[nodiscard]] Segment<double> core(const Segment<T>& s, const dvec3& o) noexcept {
+    return {wide(s.a) - o, wide(s.b) - o};
+}
 template <class T>
-[[nodiscard]] Segment<double> core(const Capsule<T>& c, const dvec3& o) noexcept { return core(c.axis, o); }
+[[nodiscard]] Segment<double> core(const Capsule<T>& c, const dvec3& o) noexcept {
+    return core(c.axis, o);
+}
 template <class T>
 [[nodiscard]] Triangle<double> core(const Triangle<T>& t, const dvec3& o) noexcept {
     return {wide(t.a) - o, wide(t.b) - o, wide(t.c) - o};
@@ -117,9 +139,7 @@ private:
 [[nodiscard]] inline Segment<double> scaled(const Segment<double>& x, double s) noexcept { return {s * x.a, s * x.b}; }
 [[nodiscard]] inline Triangle<double> scaled(const Triangle<double>& t, double s) noexcept { return {s * t.a, s * t.b, s * t.c}; }
 [[nodiscard]] inline AlignedBox scaled(const AlignedBox& b, double s) noexcept { return {s * b.center, s * b.half}; }
-[[nodiscard]] inline Obb<double> scaled(const Obb<double>& b, double s) noexcept {
-    return {s * b.center, s * b.half_extents, b.axes};
-}
+[[nodiscard]] inline Obb<double> scaled(const Obb<double>& b, double s) noexcept { return {s * b.center, s * b.half_extents, b.axes}; }
 
 /// Two solids in one frame: x in the caller's is origin + x / scale here, and back.
 template <class CoreA, class CoreB>

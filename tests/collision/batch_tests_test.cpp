@@ -1,5 +1,5 @@
-// Batches against the functions for one pair: the same verdicts without exception, distances within the stated bound,
-// the same bits at every SIMD width.
+// Batches against the functions for one pair: the same verdicts without exception, distances within the stated bound, the same bits at
+// every SIMD width.
 #include <carom/collision/batch_tests.hpp>
 #include <carom/core/check.hpp>
 #include <carom/core/simd_width.hpp>
@@ -43,8 +43,7 @@ void spoil(Cases<float>& cases, Item& item) {
         numbers[static_cast<std::size_t>(cases.random().range(0, sizeof(Item) / sizeof(float)))] =
             awful[static_cast<int>(cases.random().range(0, 9))];
     }
-    if (cases.one_in(20))
-        item = test::moved(item, dvec3{0.0}, std::ldexp(1.0, static_cast<int>(cases.random().range(-120, 100))));
+    if (cases.one_in(20)) item = test::moved(item, dvec3{0.0}, std::ldexp(1.0, static_cast<int>(cases.random().range(-120, 100))));
 }
 
 template <class Item, class Query>
@@ -53,8 +52,7 @@ std::vector<Item> items_near(Cases<float>& cases, const Query& query, std::size_
     for (Item& item : items) {
         cases.choose_grid();
         cases.make(item);
-        if (cases.one_in(2))
-            item = test::moved(item, dvec3{cases.random().range(-2, 2), 0.0, cases.random().range(-2, 2)}, 1.0);
+        if (cases.one_in(2)) item = test::moved(item, dvec3{cases.random().range(-2, 2), 0.0, cases.random().range(-2, 2)}, 1.0);
         if (cases.one_in(3)) {  // just touching
             const auto c = closest_points(query, item);
             item = test::moved(item, dvec3(c.on_a) - dvec3(c.on_b), 1.0);
@@ -111,8 +109,7 @@ Ray<float> random_ray(Cases<float>& cases) {
 
 // `at_most(item, t)`: how far t may be off for the item.
 template <class Item>
-void expect_hits_of_pairs(std::uint64_t seed,
-                          const std::function<double(const Ray<float>&, const Item&, float)>& at_most) {
+void expect_hits_of_pairs(std::uint64_t seed, const std::function<double(const Ray<float>&, const Item&, float)>& at_most) {
     Cases<float> cases(seed);
     int hits = 0;
     double worst = 0.0;
@@ -120,8 +117,7 @@ void expect_hits_of_pairs(std::uint64_t seed,
         const Ray<float> ray = random_ray(cases);
         // Half of them touched by the ray with a corner, an edge or a face.
         const Vec3<float> on_ray = ray.origin + 1.5f * ray.direction;
-        const auto items =
-            items_near<Item>(cases, is_finite(on_ray) ? on_ray : vec3{0.0f}, static_cast<std::size_t>(round));
+        const auto items = items_near<Item>(cases, is_finite(on_ray) ? on_ray : vec3{0.0f}, static_cast<std::size_t>(round));
         std::vector<float> t(items.size(), -7.0f);
         cast_ray_batch(items, ray, t);
         for (std::size_t i = 0; i < items.size(); ++i) {
@@ -144,9 +140,8 @@ void expect_hits_of_pairs(std::uint64_t seed,
 
 TEST(Batch, OfRayAndBoxesHasTheHitsOfPairs) {
     at_every_width([] {
-        expect_hits_of_pairs<Aabb<float>>(0x0703, [](const Ray<float>&, const Aabb<float>&, float t) {
-            return 8 * kEps * std::fabs(static_cast<double>(t)) + 0x1p-126;
-        });
+        expect_hits_of_pairs<Aabb<float>>(
+            0x0703, [](const Ray<float>&, const Aabb<float>&, float t) { return 8 * kEps * std::fabs(static_cast<double>(t)) + 0x1p-126; });
     });
 }
 
@@ -154,8 +149,7 @@ TEST(Batch, OfRayAndTrianglesHasTheHitsOfPairs) {
     at_every_width([] {
         expect_hits_of_pairs<Triangle<float>>(0x0704, [](const Ray<float>& ray, const Triangle<float>& x, float) {
             double size = 0.0;
-            for (const vec3& p : {x.a, x.b, x.c})
-                size = std::max(size, static_cast<double>(glm::length(dvec3(p) - dvec3(ray.origin))));
+            for (const vec3& p : {x.a, x.b, x.c}) size = std::max(size, static_cast<double>(glm::length(dvec3(p) - dvec3(ray.origin))));
             return 512 * kEps * size / glm::length(dvec3(ray.direction));
         });
     });
@@ -174,8 +168,7 @@ TEST(Batch, OfPointAndTrianglesIsClosestWithinTheBound) {
             for (std::size_t i = 0; i < items.size(); ++i) {
                 const auto want = closest_points(p, items[i]);
                 if (std::isnan(want.distance_sq)) {
-                    ASSERT_TRUE(std::isnan(closest[i].distance_sq) && std::isnan(closest[i].on_b.y))
-                        << round << " " << i;
+                    ASSERT_TRUE(std::isnan(closest[i].distance_sq) && std::isnan(closest[i].on_b.y)) << round << " " << i;
                     continue;
                 }
                 ASSERT_EQ(closest[i].on_a, p);
@@ -186,13 +179,12 @@ TEST(Batch, OfPointAndTrianglesIsClosestWithinTheBound) {
                 }
                 if (!(size < 1e18)) continue;  // squares overflow
                 const double allowed = 16 * kEps * size + 0x1p-70;
-                const double off = std::fabs(std::sqrt(static_cast<double>(closest[i].distance_sq)) -
-                                             std::sqrt(static_cast<double>(want.distance_sq)));
+                const double off =
+                    std::fabs(std::sqrt(static_cast<double>(closest[i].distance_sq)) - std::sqrt(static_cast<double>(want.distance_sq)));
                 ASSERT_LE(off, allowed) << round << " " << i;
-                const double outside =
-                    std::sqrt(closest_points(dvec3(closest[i].on_b),
-                                             Triangle<double>{dvec3(items[i].a), dvec3(items[i].b), dvec3(items[i].c)})
-                                  .distance_sq);
+                const double outside = std::sqrt(
+                    closest_points(dvec3(closest[i].on_b), Triangle<double>{dvec3(items[i].a), dvec3(items[i].b), dvec3(items[i].c)})
+                        .distance_sq);
                 ASSERT_LE(outside, allowed + kEps * static_cast<double>(glm::length(dvec3(p)))) << round << " " << i;
                 worst = std::max(worst, std::max(off, outside) / allowed);
             }

@@ -92,8 +92,8 @@ TYPED_TEST(ClosestPointsOf, ScalesExactlyByPowersOfTwo) {
             const auto one = closest_points(a, b);
             for (const int power : {far, -far}) {
                 const T s = std::ldexp(T(1), power);
-                const auto many = closest_points(test::moved(a, dvec3{0.0}, static_cast<double>(s)),
-                                                 test::moved(b, dvec3{0.0}, static_cast<double>(s)));
+                const auto many =
+                    closest_points(test::moved(a, dvec3{0.0}, static_cast<double>(s)), test::moved(b, dvec3{0.0}, static_cast<double>(s)));
                 ASSERT_EQ(many.on_a, one.on_a * s);
                 ASSERT_EQ(many.on_b, one.on_b * s);
                 ASSERT_EQ(many.distance_sq, one.distance_sq * s * s);
@@ -107,8 +107,7 @@ TYPED_TEST(ClosestPointsOf, HoldsAtTheEndsOfTheRange) {
     for_pairs<T>([&]<class A, class B>(const char* what) {
         SCOPED_TRACE(what);
         Cases<T> cases(0x0621);
-        for (const double power :
-             sizeof(T) == 4 ? std::vector<double>{-120, -66, 66, 120} : std::vector<double>{-990, -520, 520, 1000}) {
+        for (const double power : sizeof(T) == 4 ? std::vector<double>{-120, -66, 66, 120} : std::vector<double>{-990, -520, 520, 1000}) {
             const auto [a, b] = cases.template pair<A, B>();
             const double s = std::ldexp(1.0, static_cast<int>(power));
             const auto x = test::moved(a, dvec3{0.0}, s);
@@ -169,8 +168,7 @@ TYPED_TEST(ClosestPointsOf, SharedPointsAreTheDocumentedOnes) {
     const auto balls = closest_points(Sphere<T>{{0, 0, 0}, 3}, Sphere<T>{{2, 0, 0}, 1});
     EXPECT_EQ(balls.on_a, (Vec3<T>(T(1.5), 0, 0)));
     EXPECT_EQ(balls.distance_sq, T(0));
-    const auto pierced =
-        closest_points(Segment<T>{{0, 0, -1}, {0, 0, 3}}, Triangle<T>{{-1, -1, 0}, {2, -1, 0}, {-1, 2, 0}});
+    const auto pierced = closest_points(Segment<T>{{0, 0, -1}, {0, 0, 3}}, Triangle<T>{{-1, -1, 0}, {2, -1, 0}, {-1, 2, 0}});
     EXPECT_EQ(pierced.distance_sq, T(0));
     EXPECT_EQ(pierced.on_a, Vec3<T>(T(0)));
 }
@@ -179,8 +177,8 @@ TYPED_TEST(ClosestPointsOf, BadInputIsNanThroughout) {
     using T = TypeParam;
     const T nan = std::numeric_limits<T>::quiet_NaN(), infinity = std::numeric_limits<T>::infinity();
     const auto refused = [](const auto& c) {
-        return std::isnan(c.distance_sq) && std::isnan(c.on_a.x) && std::isnan(c.on_a.y) && std::isnan(c.on_a.z) &&
-               std::isnan(c.on_b.x) && std::isnan(c.on_b.y) && std::isnan(c.on_b.z);
+        return std::isnan(c.distance_sq) && std::isnan(c.on_a.x) && std::isnan(c.on_a.y) && std::isnan(c.on_a.z) && std::isnan(c.on_b.x) &&
+               std::isnan(c.on_b.y) && std::isnan(c.on_b.z);
     };
     const Triangle<T> good{{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
     for (const T bad : {nan, infinity, -infinity}) {

@@ -76,18 +76,15 @@ void expect_both_ways(const A& a, const B& b, bool want) {
 
 TYPED_TEST(Overlaps, TouchingSolidsOverlapAndTheNextNumberDoesNot) {
     using T = TypeParam;
-    // One solid against x = 1 from the left, the other moved along x: touching is overlapping, a gap of 200 roundings
-    // is not.
+    // One solid against x = 1 from the left, the other moved along x: touching is overlapping, a gap of 200 roundings is not.
     const T gap = T(1) + 200 * std::numeric_limits<T>::epsilon();
     const auto right = [](T x) {
         return std::tuple{Sphere<T>{{x + 1, 0, 0}, 1}, Aabb<T>{{x, -1, -1}, {x + 1, 1, 1}},
-                          Obb<T>{.center = {x + 1, 0, 0}, .half_extents = {1, 1, 1}},
-                          Capsule<T>{{{x + 1, -1, 0}, {x + 1, 1, 0}}, 1},
+                          Obb<T>{.center = {x + 1, 0, 0}, .half_extents = {1, 1, 1}}, Capsule<T>{{{x + 1, -1, 0}, {x + 1, 1, 0}}, 1},
                           Triangle<T>{{x, -1, 0}, {x, 1, 0}, {x + 1, 0, 1}}};
     };
-    const auto left = std::tuple{
-        Sphere<T>{{0, 0, 0}, 1}, Aabb<T>{{0, -1, -1}, {1, 1, 1}}, Obb<T>{.center = {}, .half_extents = {1, 1, 1}},
-        Capsule<T>{{{0, -1, 0}, {0, 1, 0}}, 1}, Triangle<T>{{1, -1, -1}, {1, 1, 1}, {1, 1, -1}}};
+    const auto left = std::tuple{Sphere<T>{{0, 0, 0}, 1}, Aabb<T>{{0, -1, -1}, {1, 1, 1}}, Obb<T>{.center = {}, .half_extents = {1, 1, 1}},
+                                 Capsule<T>{{{0, -1, 0}, {0, 1, 0}}, 1}, Triangle<T>{{1, -1, -1}, {1, 1, 1}, {1, 1, -1}}};
     const auto touch = [&](const auto& a) {
         std::apply([&](const auto&... b) { (expect_both_ways(a, b, true), ...); }, right(T(1)));
         std::apply([&](const auto&... b) { (expect_both_ways(a, b, false), ...); }, right(gap));
@@ -95,19 +92,17 @@ TYPED_TEST(Overlaps, TouchingSolidsOverlapAndTheNextNumberDoesNot) {
     std::apply([&](const auto&... a) { (touch(a), ...); }, left);
 }
 
-// Edges that cross at a small angle a little apart: no face separates the boxes, and the axis that does is a short
-// cross product, of which plain rounding leaves nothing where the angle is about the root of a rounding.
+// Edges that cross at a small angle a little apart: no face separates the boxes, and the axis that does is a short cross product, of which
+// plain rounding leaves nothing where the angle is about the root of a rounding.
 TYPED_TEST(Overlaps, EdgesThatAreNearlyParallelSeparateBoxes) {
     using T = TypeParam;
     const double unit = static_cast<double>(std::numeric_limits<T>::epsilon());
-    const auto edge_up = [](double about_y,
-                            double height) {  // a box standing on, or hanging by, an edge along x turned about y
+    const auto edge_up = [](double about_y, double height) {  // a box standing on, or hanging by, an edge along x turned about y
         const dquat q = rotation_about({0, 1, 0}, about_y) * rotation_about({1, 0, 0}, kPi / 4);
         const dvec3 half{2.0, 0.5, 0.5};
         return Obb<T>{.center = Vec3<T>(dvec3{0, height, 0}),
                       .half_extents = Vec3<T>(half),
-                      .axes = glm::mat<3, 3, T>(
-                          dmat3{rotate(q, dvec3{1, 0, 0}), rotate(q, dvec3{0, 1, 0}), rotate(q, dvec3{0, 0, 1})})};
+                      .axes = glm::mat<3, 3, T>(dmat3{rotate(q, dvec3{1, 0, 0}), rotate(q, dvec3{0, 1, 0}), rotate(q, dvec3{0, 0, 1})})};
     };
     int missed_by_faces = 0;
     for (int k = 2; k < (sizeof(T) == 4 ? 18 : 40); ++k) {
@@ -141,12 +136,9 @@ TYPED_TEST(Overlaps, ScalesByPowersOfTwo) {
 TYPED_TEST(Overlaps, BadInputDoesNotOverlap) {
     using T = TypeParam;
     const T nan = std::numeric_limits<T>::quiet_NaN(), infinity = std::numeric_limits<T>::infinity();
-    const auto good = std::tuple{
-        Sphere<T>{{0, 0, 0}, 1}, Aabb<T>{{-1, -1, -1}, {1, 1, 1}}, Obb<T>{.center = {}, .half_extents = {1, 1, 1}},
-        Capsule<T>{{{0, -1, 0}, {0, 1, 0}}, 1}, Triangle<T>{{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}}};
-    const auto refused = [&](const auto& bad) {
-        std::apply([&](const auto&... x) { (expect_both_ways(bad, x, false), ...); }, good);
-    };
+    const auto good = std::tuple{Sphere<T>{{0, 0, 0}, 1}, Aabb<T>{{-1, -1, -1}, {1, 1, 1}}, Obb<T>{.center = {}, .half_extents = {1, 1, 1}},
+                                 Capsule<T>{{{0, -1, 0}, {0, 1, 0}}, 1}, Triangle<T>{{-1, -1, 0}, {1, -1, 0}, {0, 1, 0}}};
+    const auto refused = [&](const auto& bad) { std::apply([&](const auto&... x) { (expect_both_ways(bad, x, false), ...); }, good); };
     std::apply([&](const auto&... x) { (expect_both_ways(x, std::get<0>(good), true), ...); }, good);
     refused(Sphere<T>{{0, 0, 0}, T(-0.5)});
     refused(Capsule<T>{{{0, 0, 0}, {0, 0, 0}}, T(-0.5)});

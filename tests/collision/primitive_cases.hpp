@@ -127,7 +127,8 @@ public:
             const dvec3 d(dvec3(c.on_a) - dvec3(c.on_b));
             b = moved(b, d, 1.0);
         }
-        const double off = one_in(4) ? 0.0 : std::ldexp(random_.range(-1, 1), -static_cast<int>(random_.range(10, sizeof(T) == 4 ? 28 : 56)));
+        const double off =
+            one_in(4) ? 0.0 : std::ldexp(random_.range(-1, 1), -static_cast<int>(random_.range(10, sizeof(T) == 4 ? 28 : 56)));
         return {a, moved(b, dvec3{random_.range(-1, 1), random_.range(-1, 1), random_.range(-1, 1)} * off, 1.0)};
     }
 

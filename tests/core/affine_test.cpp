@@ -1,5 +1,4 @@
-// Affine maps: poses both ways, typed refusals of what is not rigid, and normals that stay perpendicular to the
-// surface.
+// Affine maps: poses both ways, typed refusals of what is not rigid, and normals that stay perpendicular to the surface.
 #include <carom/core/affine.hpp>
 #include <carom/core/math.hpp>
 #include <carom/core/random.hpp>
@@ -19,13 +18,10 @@ constexpr double kTolerance = 4e-15;
 dvec3 random_vector(Random& random, double size) {
     return {random.range(-size, size), random.range(-size, size), random.range(-size, size)};
 }
-Pose random_pose(Random& random) {
-    return {random_vector(random, 10.0), rotation_from_vector(random_vector(random, 3.0))};
-}
+Pose random_pose(Random& random) { return {random_vector(random, 10.0), rotation_from_vector(random_vector(random, 3.0))}; }
 
 dmat4 with_linear(const dmat3& linear, const dvec3& position) {
-    return {glm::dvec4(linear[0], 0.0), glm::dvec4(linear[1], 0.0), glm::dvec4(linear[2], 0.0),
-            glm::dvec4(position, 1.0)};
+    return {glm::dvec4(linear[0], 0.0), glm::dvec4(linear[1], 0.0), glm::dvec4(linear[2], 0.0), glm::dvec4(position, 1.0)};
 }
 
 void expect_same(const Pose& a, const Pose& b, double tolerance) {
@@ -89,8 +85,7 @@ TEST(Affine, WhatIsNotRigidIsRefusedByName) {
             EXPECT_EQ(decompose(m).error().code, ErrorCode::NotFinite);
         }
     }
-    EXPECT_TRUE(pose_from_matrix(with_linear(dmat3{1.01}, dvec3{0.0}), 0.03).has_value())
-        << "the tolerance is the caller's";
+    EXPECT_TRUE(pose_from_matrix(with_linear(dmat3{1.01}, dvec3{0.0}), 0.03).has_value()) << "the tolerance is the caller's";
 }
 
 TEST(Affine, DecomposesIntoRotationAndScale) {
@@ -99,11 +94,9 @@ TEST(Affine, DecomposesIntoRotationAndScale) {
         const Pose pose = random_pose(random);
         const dmat3 r = rotation_matrix(pose.orientation);
         dvec3 scale{0.0};
-        for (int k = 0; k < 3; ++k)
-            scale[k] = std::ldexp(random.range(1.0, 2.0), static_cast<int>(random.range(-300, 300)));
+        for (int k = 0; k < 3; ++k) scale[k] = std::ldexp(random.range(1.0, 2.0), static_cast<int>(random.range(-300, 300)));
         if (i % 2 == 0) scale.x = -scale.x;
-        const ScaledPose got =
-            decompose(with_linear({r[0] * scale.x, r[1] * scale.y, r[2] * scale.z}, pose.position)).value();
+        const ScaledPose got = decompose(with_linear({r[0] * scale.x, r[1] * scale.y, r[2] * scale.z}, pose.position)).value();
         expect_same(got.pose, pose, kTolerance);
         for (int k = 0; k < 3; ++k) EXPECT_NEAR(got.scale[k] / scale[k], 1.0, kTolerance);
     }

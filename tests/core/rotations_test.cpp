@@ -1,5 +1,4 @@
-// Euler angles, axis and angle, and matrices: each rotates as the quaternion does, both ways, at the gimbal lock and
-// for tiny turns.
+// Euler angles, axis and angle, and matrices: each rotates as the quaternion does, both ways, at the gimbal lock and for tiny turns.
 #include <carom/core/math.hpp>
 #include <carom/core/pose.hpp>
 #include <carom/core/random.hpp>
@@ -14,8 +13,7 @@
 namespace carom {
 namespace {
 
-constexpr EulerOrder kOrders[] = {EulerOrder::XYZ, EulerOrder::XZY, EulerOrder::YXZ,
-                                  EulerOrder::YZX, EulerOrder::ZXY, EulerOrder::ZYX};
+constexpr EulerOrder kOrders[] = {EulerOrder::XYZ, EulerOrder::XZY, EulerOrder::YXZ, EulerOrder::YZX, EulerOrder::ZXY, EulerOrder::ZYX};
 // A dozen roundings of 2^-53.
 constexpr double kTolerance = 2e-15;
 
@@ -56,9 +54,7 @@ TEST(Euler, AnglesGiveTheRotationBackNextToTheGimbalLockToo) {
     for (const EulerOrder order : kOrders) {
         for (int i = 0; i < 2000; ++i) {
             EulerAngles e{random.range(-kPi, kPi), random.range(-kPi / 2, kPi / 2), random.range(-kPi, kPi)};
-            if (i % 2 == 0)
-                e.second = std::copysign(kPi / 2 - std::ldexp(random.unit(), -static_cast<int>(random.range(0, 60))),
-                                         e.second);
+            if (i % 2 == 0) e.second = std::copysign(kPi / 2 - std::ldexp(random.unit(), -static_cast<int>(random.range(0, 60))), e.second);
             if (i % 20 == 0) e.second = std::copysign(kPi / 2, e.second);
             const dquat q = rotation_from_euler(e, order);
             const EulerAngles back = euler_angles(q, order);
@@ -96,8 +92,7 @@ TEST(AxisAngleForm, GoesBothWays) {
     for (int i = 0; i < 2000; ++i) {
         dquat q = random_rotation(random);
         if (i % 3 == 0)
-            q = rotation_from_vector(dvec3{random.range(-1, 1), random.range(-1, 1), random.range(-1, 1)} *
-                                     std::ldexp(1.0, -i / 2));
+            q = rotation_from_vector(dvec3{random.range(-1, 1), random.range(-1, 1), random.range(-1, 1)} * std::ldexp(1.0, -i / 2));
         const AxisAngle turned = axis_angle(q);
         EXPECT_NEAR(glm::dot(turned.axis, turned.axis), 1.0, 1e-15);
         EXPECT_GE(turned.angle, 0.0);
@@ -126,9 +121,8 @@ TEST(Matrix, RotatesAsTheQuaternionAndGivesItBack) {
     Random random(0x3a7);
     for (int i = 0; i < 4000; ++i) {
         dquat q = random_rotation(random);
-        if (i % 4 == 1) q = rotation_about({0, 0, 1}, kPi / 2 * (i % 16));  // exact entries
-        if (i % 4 == 2)
-            q = rotation_about(rotate(q, dvec3{1, 0, 0}), kPi - std::ldexp(random.unit(), -(i % 50)));  // w near 0
+        if (i % 4 == 1) q = rotation_about({0, 0, 1}, kPi / 2 * (i % 16));                                          // exact entries
+        if (i % 4 == 2) q = rotation_about(rotate(q, dvec3{1, 0, 0}), kPi - std::ldexp(random.unit(), -(i % 50)));  // w near 0
         const dmat3 m = rotation_matrix(q);
         const dvec3 v{random.range(-1, 1), random.range(-1, 1), random.range(-1, 1)};
         const dvec3 a = m * v, b = rotate(q, v);

@@ -1,5 +1,4 @@
-// What must hold for any two primitives: overlaps() and closest_points() judged by exact rationals, for the fuzzer and
-// for tests.
+// What must hold for any two primitives: overlaps() and closest_points() judged by exact rationals, for the fuzzer and for tests.
 //
 //   EXPECT_EQ(test::overlap_fault(box, sphere), "");
 //   EXPECT_EQ(test::overlap_fault(bytes), "");
@@ -57,8 +56,7 @@ template <class A, class B>
     const bool overlap = pair.overlap();
     for (const bool got : {geo::overlaps(a, b), geo::overlaps(b, a)}) {
         if (!got && overlap) return "solids that overlap are reported as apart";
-        if (got && !overlap &&
-            pair.core_sq > exact::square(pair.a.radius + pair.b.radius + exact::number(k) * pair.size)) {
+        if (got && !overlap && pair.core_sq > exact::square(pair.a.radius + pair.b.radius + exact::number(k) * pair.size)) {
             return "solids that are apart are reported as overlapping";
         }
     }
@@ -72,21 +70,16 @@ template <class A, class B>
     const geo::ClosestPoints<T> got = geo::closest_points(a, b);
     if (!is_finite(got.on_a) || !is_finite(got.on_b)) return "a closest point is not finite";
     const exact::Rational unit = exact::number(kUnit<A>), last = exact::number(std::numeric_limits<T>::denorm_min());
-    const exact::Rational own =
-        exact::number(16.0 * 0x1p-52 + (kTurned<A> || kTurned<B> ? 4.0 * kUnit<A> : 0.0)) * pair.size;
+    const exact::Rational own = exact::number(16.0 * 0x1p-52 + (kTurned<A> || kTurned<B> ? 4.0 * kUnit<A> : 0.0)) * pair.size;
     const exact::Rational stored = unit * pair.farthest + last;
     const auto lies_on = [&](const exact::Vec& p, const exact::Solid& s) {
         return exact::core_distance_sq(p, s) <= exact::square(s.radius + own + 2 * stored);
     };
-    if (!lies_on(exact::vec(got.on_a), pair.a) || !lies_on(exact::vec(got.on_b), pair.b))
-        return "a closest point is not on its solid";
+    if (!lies_on(exact::vec(got.on_a), pair.a) || !lies_on(exact::vec(got.on_b), pair.b)) return "a closest point is not on its solid";
     // Squares, so that what underflows needs no root.
-    const exact::Rational least = std::max(exact::Rational(0), exact::Rational(pair.distance - own)),
-                          most = pair.distance + own;
+    const exact::Rational least = std::max(exact::Rational(0), exact::Rational(pair.distance - own)), most = pair.distance + own;
     if (!std::isfinite(got.distance_sq)) {
-        return exact::square(most) * (1 + unit) >= exact::number(std::numeric_limits<T>::max())
-                   ? ""
-                   : "the squared distance is not finite";
+        return exact::square(most) * (1 + unit) >= exact::number(std::numeric_limits<T>::max()) ? "" : "the squared distance is not finite";
     }
     const exact::Rational sq = exact::number(got.distance_sq);
     if (sq + last < exact::square(least) * (1 - 2 * unit)) return "the distance is too small";
@@ -162,8 +155,8 @@ template <class T>
     return {s.center + v, s.radius};
 }
 
-/// What is wrong with the answers for the pair that `bytes` describe, or nothing. The first two bytes choose the
-/// primitives and the precision; of two pairs one is brought to touch.
+/// What is wrong with the answers for the pair that `bytes` describe, or nothing. The first two bytes choose the primitives and the
+/// precision; of two pairs one is brought to touch.
 template <class T>
 [[nodiscard]] std::string overlap_fault_of(int first, int second, bool touch, std::span<const std::uint8_t> bytes) {
     Draw<T> draw(bytes);

@@ -3,10 +3,10 @@
 //   exact::Solid a = exact::solid(sphere), b = exact::solid(obb);
 //   EXPECT_TRUE(exact::core_distance_sq(a, b) > exact::square(a.radius + b.radius));   // apart
 //
-// A core (point, segment, triangle or box) is its corners, edges and triangles. Two that do not cross are nearest at a
-// corner and a triangle or at two edges, so all of those are tried; but those that doubles show to be farther by 1e-5
-// of the size, ten thousand times what the doubles may err by, are not computed exactly. The corners of a turned box
-// are c ± h0 a0 ± h1 a1 ± h2 a2 as given, orthonormal or not.
+// A core (point, segment, triangle or box) is its corners, edges and triangles. Two that do not cross are nearest at a corner and a
+// triangle or at two edges, so all of those are tried; but those that doubles show to be farther by 1e-5 of the size, ten thousand times
+// what the doubles may err by, are not computed exactly. The corners of a turned box are c ± h0 a0 ± h1 a1 ± h2 a2 as given, orthonormal
+// or not.
 #pragma once
 
 #include <carom/collision/primitives.hpp>
@@ -99,8 +99,7 @@ namespace detail {
         const Rational s = b * e - c * d, t = a * e - b * d;
         if (s.sign() >= 0 && s <= det && t.sign() >= 0 && t <= det) return length_sq(w + (s / det) * u - (t / det) * v);
     }
-    return std::min({distance_sq(p, q, q + v), distance_sq(p + u, q, q + v), distance_sq(q, p, p + u),
-                     distance_sq(q + v, p, p + u)});
+    return std::min({distance_sq(p, q, q + v), distance_sq(p + u, q, q + v), distance_sq(q, p, p + u), distance_sq(q + v, p, p + u)});
 }
 
 /// Whether the segment from p to q meets the triangle, for a segment that is not in its plane.
@@ -109,8 +108,7 @@ namespace detail {
     const Rational hp = dot(n, p - a), hq = dot(n, q - a);
     if (hp.sign() * hq.sign() > 0 || hp == hq) return false;
     const Vec d = q - p;
-    const int x = dot(d, cross(a - p, b - p)).sign(), y = dot(d, cross(b - p, c - p)).sign(),
-              z = dot(d, cross(c - p, a - p)).sign();
+    const int x = dot(d, cross(a - p, b - p)).sign(), y = dot(d, cross(b - p, c - p)).sign(), z = dot(d, cross(c - p, a - p)).sign();
     return (x >= 0 && y >= 0 && z >= 0) || (x <= 0 && y <= 0 && z <= 0);
 }
 
@@ -142,16 +140,15 @@ private:
 
 inline constexpr double kPlainly = 1e-5;
 
-/// Squared, within 1e-7 of the distance: an error of a rounding in either parameter moves along nearly parallel lines
-/// only.
+/// Squared, within 1e-7 of the distance: an error of a rounding in either parameter moves along nearly parallel lines only.
 [[nodiscard]] inline double rough_segments(const dvec3& p, const dvec3& u, const dvec3& q, const dvec3& v) {
     const auto on = [](const dvec3& x, const dvec3& from, const dvec3& along) {
         const double l = glm::dot(along, along);
         return from + (l > 0.0 ? std::clamp(glm::dot(x - from, along) / l, 0.0, 1.0) : 0.0) * along;
     };
     const auto length = [](const dvec3& d) { return std::sqrt(glm::dot(d, d)); };
-    double best = std::min({length(on(p, q, v) - p), length(on(p + u, q, v) - (p + u)), length(on(q, p, u) - q),
-                            length(on(q + v, p, u) - (q + v))});
+    double best =
+        std::min({length(on(p, q, v) - p), length(on(p + u, q, v) - (p + u)), length(on(q, p, u) - q), length(on(q + v, p, u) - (q + v))});
     const dvec3 n = glm::cross(u, v), w = q - p;
     const double nn = glm::dot(n, n);
     if (nn > 0.0) {
@@ -171,8 +168,7 @@ inline bool enters(const Solid& a, const Rough& ra, const Solid& b, const Rough&
         for (const auto& e : a.edges) {
             const double p = glm::dot(n, ra[e[0]] - rb[f[0]]), q = glm::dot(n, ra[e[1]] - rb[f[0]]);
             if (std::min(p, q) > kPlainly || std::max(p, q) < -kPlainly) continue;
-            if (crosses(a.corners[e[0]], a.corners[e[1]], b.corners[f[0]], b.corners[f[1]], b.corners[f[2]]))
-                return true;
+            if (crosses(a.corners[e[0]], a.corners[e[1]], b.corners[f[0]], b.corners[f[1]], b.corners[f[2]])) return true;
         }
     }
     return false;
@@ -230,8 +226,7 @@ inline Rational make_whole(Solid& a, Solid& b) {
                 best = std::min(best, distance_sq(x.corners[k], y.corners[f[0]], y.corners[f[1]], y.corners[f[2]]));
             }
             if (!y.faces.empty()) continue;
-            for (const auto& e : y.edges)
-                best = std::min(best, distance_sq(x.corners[k], y.corners[e[0]], y.corners[e[1]]));
+            for (const auto& e : y.edges) best = std::min(best, distance_sq(x.corners[k], y.corners[e[0]], y.corners[e[1]]));
         }
     };
     corners_against(a, ra, b, rb);
@@ -240,8 +235,6 @@ inline Rational make_whole(Solid& a, Solid& b) {
 }
 
 /// The squared distance of a point from a core.
-[[nodiscard]] inline Rational core_distance_sq(const Vec& p, const Solid& s) {
-    return core_distance_sq(Solid{{p}, {}, {}, false, 0}, s);
-}
+[[nodiscard]] inline Rational core_distance_sq(const Vec& p, const Solid& s) { return core_distance_sq(Solid{{p}, {}, {}, false, 0}, s); }
 
 }  // namespace carom::exact
