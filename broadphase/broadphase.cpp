@@ -97,7 +97,10 @@ struct Broadphase::Impl {
     double moving_share = 1.0;
     int updates_since_check = 0;
     std::size_t count_at_check = 0;
-    BroadphaseMethod wanted_before = BroadphaseMethod::Automatic;  // by the check before
+    BroadphaseMethod wanted_before = BroadphaseMethod::Automatic;  // by the check before; Automatic: there was none
+    [[nodiscard]] bool is_undecided() const noexcept {
+        return settings.method == BroadphaseMethod::Automatic && wanted_before == BroadphaseMethod::Automatic;
+    }
 };
 
 void Broadphase::Impl::choose() {
@@ -337,6 +340,7 @@ void Broadphase::clear() {
     w.common_bits = ~std::uint64_t{0};
     w.set.clear();
     w.count_at_check = 0;
+    w.wanted_before = BroadphaseMethod::Automatic;
     w.built = false;
     w.result = {};
 }
@@ -361,7 +365,9 @@ FloatAabb Broadphase::box(std::uint32_t slot) const noexcept {
     return slot < impl_->table.boxes.size() ? impl_->table.boxes[slot] : kNowhere;
 }
 
-BroadphaseMethod Broadphase::method() const noexcept { return impl_->in_use; }
+BroadphaseMethod Broadphase::method() const noexcept {
+    return impl_->is_undecided() ? BroadphaseMethod::Automatic : impl_->in_use;
+}
 std::size_t Broadphase::live_count() const noexcept { return impl_->table.live_count; }
 
 std::size_t Broadphase::memory() const noexcept {
@@ -375,7 +381,7 @@ std::size_t Broadphase::memory() const noexcept {
 std::string Broadphase::reason() const {
     const Impl& w = *impl_;
     if (w.settings.method != BroadphaseMethod::Automatic) return "asked for";
-    return w.count_at_check == 0 ? "chosen at the first update" : describe(w.choice, w.scene);
+    return w.is_undecided() ? "chosen at the first update" : describe(w.choice, w.scene);
 }
 
 }  // namespace carom

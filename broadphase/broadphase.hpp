@@ -90,7 +90,7 @@ public:
     /// The box of a live slot, as it was passed in; of any other a box that touches nothing.
     [[nodiscard]] FloatAabb box(std::uint32_t slot) const noexcept;
 
-    /// The method in use: the one asked for, or the one chosen for the scene as it stands.
+    /// The method in use: the one asked for, or the one chosen for the scene as it stands; Automatic before the first update.
     [[nodiscard]] BroadphaseMethod method() const noexcept;
     /// Why this method, in one sentence.
     [[nodiscard]] std::string reason() const;

@@ -159,12 +159,7 @@ void overlapping_triangles(const StaticBvh& bvh, const ConvexHull& hull, const P
     if (!is_finite(pose)) return;
     const WideBvh& tree = bvh.wide();
     const double unit = unit_of(tree);
-    Aabb box;
-    for (const vec3& v : hull.vertices()) {
-        const dvec3 p = transform_point(pose, dvec3(v));
-        const dvec3 doubt = 0x1p-48 * (glm::abs(pose.position) + dvec3{glm::length(dvec3(v))});
-        box = merge(box, {p - doubt, p + doubt});
-    }
+    const Aabb box = bounds(ConvexHullPtr(ConvexHullPtr{}, &hull), pose);  // a pointer that owns nothing
     Cutter cutter;
     visit_leaves(tree, box_volume(tree, box.lower, box.upper), [&](const WideLeaf& leaf) {
         for (std::uint32_t k = 0; k < leaf.triangle_count; ++k) {

@@ -4,7 +4,6 @@
 
 #include <carom/collision/detail/wide_bvh.hpp>
 #include <carom/collision/detail/wide_check.hpp>
-#include <carom/collision/detail/wide_refit.hpp>
 #include <carom/core/hash.hpp>
 
 #include <algorithm>
@@ -193,7 +192,7 @@ Result<StaticBvh> StaticBvh::load(std::span<const std::byte> bytes) {
     tree.upper = {header->upper[0], header->upper[1], header->upper[2]};
     tree.lossless = header->lossless != 0;
     tree.sah_cost = header->cost;
-    tree.far_reach = far_reach_of(tree);
+    tree.update_far_reach();
     tree.built_cost = header->built_cost;
     if (header->triangles > header->leaves * kWidth) return fault("more triangles than its leaves hold");
     if (!read_lines(Reader(bytes.data() + kHeaderSize), *header, tree)) return fault("something that is neither node nor leaf");

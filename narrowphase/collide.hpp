@@ -41,8 +41,9 @@ enum class CollideStatus : unsigned char {
 /// they are apart, their distance, except that two boxes give the greatest separation over their axes, a lower bound that is the
 /// distance unless corners face each other. A body on a flat or nearly flat stretch of a mesh has one manifold; a mesh has two
 /// sides, and pushes to the one on which the shape's centre lies.
-/// Accuracy: 1e-6 of the larger shape's size, of a mesh the convex shape's. Computed in double in the frame of one of the two, so the
-/// distance from the world's origin does not matter; positions are rounded to float about A, so let A be the smaller.
+/// Accuracy: 1e-6 of the larger shape's size, of a mesh the convex shape's, and of a box much larger than the other the other's. Computed in
+/// double in the frame of one of the two, two boxes in float in the frame of A (sixteen pairs at a time), so the distance from the
+/// world's origin does not matter; positions are rounded to float about A, so let A be the smaller.
 /// Misuse (null shape, non-finite pose, negative or non-finite margin, a pair without a kernel) is reported and appends nothing.
 /// Cost: O(1) for round shapes, boxes and planes; hulls O(F V + E E); meshes O(log m + triangles near). Allocates only while buffers
 /// of the calling thread grow. Thread-safe.

@@ -1,6 +1,7 @@
 // Lines against surfaces.
 #include <carom/collision/detail/exact_sign.hpp>
 #include <carom/collision/detail/ray_surfaces.hpp>
+#include <carom/collision/detail/ray_triangle.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -97,20 +98,13 @@ std::optional<Crossing> cross(const Triangle<double>& triangle, const Line& line
     const dvec3 p = frame.image(triangle.a);
     const dvec3 q = frame.image(triangle.b);
     const dvec3 r = frame.image(triangle.c);
-    const double u = exact_difference(r.x, q.y, r.y, q.x);
-    const double v = exact_difference(p.x, r.y, p.y, r.x);
-    const double w = exact_difference(q.x, p.y, q.y, p.x);
-    if ((u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0)) {
+    const std::optional<dvec3> weights = weights_at_axis(p, q, r, exact_difference);
+    if (!weights) {
         return std::nullopt;
     }
-    const double determinant = u + v + w;
-    if (determinant == 0.0) {
-        return std::nullopt;
-    }
-    const dvec3 weights = dvec3{u, v, w} / determinant;
-    const double z = weights.x * p.z + weights.y * q.z + weights.z * r.z;
+    const double z = weights->x * p.z + weights->y * q.z + weights->z * r.z;
     return Crossing{z / line.direction[frame.main_axis()], glm::cross(triangle.b - triangle.a, triangle.c - triangle.a),
-                    weights};
+                    *weights};
 }
 
 template <class T>

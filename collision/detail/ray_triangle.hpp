@@ -48,6 +48,24 @@ struct TriangleCrossing {
     dvec3 weights{0.0};     ///< of the corners: the point is their mean by these, which sum to 1
 };
 
+/// The weights, which sum to 1, of three corners at the axis along which p, q and r are their images.
+/// @param difference  (a, b, c, d) to a b - c d with its exact sign.
+/// @return nothing where the axis passes outside of the triangle or lies in its plane.
+template <class Difference>
+[[nodiscard]] std::optional<dvec3> weights_at_axis(const dvec3& p, const dvec3& q, const dvec3& r, const Difference& difference) noexcept {
+    const double u = difference(r.x, q.y, r.y, q.x);
+    const double v = difference(p.x, r.y, p.y, r.x);
+    const double w = difference(q.x, p.y, q.y, p.x);
+    if ((u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0)) {
+        return std::nullopt;
+    }
+    const double determinant = u + v + w;
+    if (determinant == 0.0) {
+        return std::nullopt;
+    }
+    return dvec3{u, v, w} / determinant;
+}
+
 /// Where the line of a ray crosses a triangle, its edges and corners included, from either side.
 ///
 /// Method: Woop, Benthin, Wald, Watertight Ray/Triangle Intersection (JCGT 2013). Departure: in double, and the signs of the edge
@@ -58,19 +76,12 @@ struct TriangleCrossing {
     const dvec3 p = frame.project(a);
     const dvec3 q = frame.project(b);
     const dvec3 r = frame.project(c);
-    const double u = difference_of_products(r.x, q.y, r.y, q.x);
-    const double v = difference_of_products(p.x, r.y, p.y, r.x);
-    const double w = difference_of_products(q.x, p.y, q.y, p.x);
-    if ((u < 0.0 || v < 0.0 || w < 0.0) && (u > 0.0 || v > 0.0 || w > 0.0)) {
+    const std::optional<dvec3> weights = weights_at_axis(p, q, r, difference_of_products);
+    if (!weights) {
         return std::nullopt;
     }
-    const double determinant = u + v + w;
-    if (determinant == 0.0) {
-        return std::nullopt;
-    }
-    const dvec3 weights = dvec3{u, v, w} / determinant;
-    const double z = weights.x * p.z + weights.y * q.z + weights.z * r.z;
-    return TriangleCrossing{z / frame.direction_z(), weights};
+    const double z = weights->x * p.z + weights->y * q.z + weights->z * r.z;
+    return TriangleCrossing{z / frame.direction_z(), *weights};
 }
 
 }  // namespace carom

@@ -218,7 +218,7 @@ WideBvh build_wide_bvh(std::span<const vec3> vertices, std::span<const Corners> 
     const SahBox& box = tree.nodes[0].box;
     out.lower = {box.minimum[0], box.minimum[1], box.minimum[2]};
     out.upper = {-box.minimum[4], -box.minimum[5], -box.minimum[6]};
-    out.far_reach = far_reach_of(out);
+    out.update_far_reach();
     Folding(out, tree, vertices, corners).run();
     out.built_cost = out.sah_cost;
     return out;

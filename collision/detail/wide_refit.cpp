@@ -53,11 +53,6 @@ bool scales_without_loss(std::span<const vec3> vertices, float scale) noexcept {
     return std::all_of(vertices.begin(), vertices.end(), [&](const vec3& v) { return back * (scale * v) == v; });
 }
 
-float far_reach_of(const WideBvh& tree) noexcept {
-    const vec3 size = tree.upper - tree.lower;
-    return tree.scale == 1.0f ? WideBvh::kFar * std::max({size.x, size.y, size.z}) : -1.0f;
-}
-
 Status refit_wide_bvh(WideBvh& tree, std::span<const vec3> vertices, std::span<const Corners> triangles) {
     constexpr const char* kWhere = "StaticBvh::refit";
     float largest = 0.0f;
@@ -94,7 +89,7 @@ Status refit_wide_bvh(WideBvh& tree, std::span<const vec3> vertices, std::span<c
     moved.lower = boxes[0].lower;
     moved.upper = boxes[0].upper;
     moved.lossless = scales_without_loss(vertices, moved.scale);
-    moved.far_reach = far_reach_of(moved);
+    moved.update_far_reach();
     moved.sah_cost = cost / weight_of(boxes[0]);
     tree = std::move(moved);
     return {};

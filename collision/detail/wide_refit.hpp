@@ -17,9 +17,6 @@ namespace carom {
 /// @return whether scaling there and back gives every coordinate again, to the bit.
 [[nodiscard]] bool scales_without_loss(std::span<const vec3> vertices, float scale) noexcept;
 
-/// @return WideBvh::far_reach of a tree with the box and the scale that it has.
-[[nodiscard]] float far_reach_of(const WideBvh& tree) noexcept;
-
 /// Writes new positions into the leaves and new boxes above them, and updates sah_cost. Changes nothing where it fails.
 /// @param vertices   finite, as many as the triangles name.
 /// @param triangles  those of which the tree was built.

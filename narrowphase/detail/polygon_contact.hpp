@@ -1,7 +1,7 @@
 // The common region of two facing polygons: the points of contact of two faces, or of two edges of nearly facing faces.
 //
-//   collect_face_contact<4>(face_a, face_b, normal, margin, table, points);
-//   finish_patch<4>(points, face_a, face_b, rule, patch);
+//   collect_face_contact(face_a, face_b, plane, sides, points);
+//   finish_patch(points, face_a, face_b, rule, patch);
 #pragma once
 
 #include <carom/narrowphase/detail/feature.hpp>
@@ -28,9 +28,8 @@ struct FaceCorner {
 };
 
 /// One of the two polygons with its supporting plane dot(normal, x) = offset, normal outward.
-template <std::size_t N>
 struct FacePolygon {
-    std::span<const FaceCorner, N> corners;
+    std::span<const FaceCorner> corners;
     dvec3 normal{0.0};
     double offset = 0.0;
 };
@@ -60,8 +59,7 @@ struct PolygonScratch {
 
 /// side[k * points + m]: on which side of edge k of `polygon` corner m of `other` lies, times the length of the edge; positive inside.
 /// `turn` is +1 where the polygon runs counter-clockwise in (u, w).
-template <std::size_t N>
-void fill_sides(const FacePolygon<N>& polygon, const FacePolygon<N>& other, double turn, std::span<double> side) {
+inline void fill_sides(const FacePolygon& polygon, const FacePolygon& other, double turn, std::span<double> side) {
     const auto a = polygon.corners;
     const auto b = other.corners;
     for (std::size_t k = 0; k < a.size(); ++k) {
@@ -75,9 +73,8 @@ void fill_sides(const FacePolygon<N>& polygon, const FacePolygon<N>& other, doub
 }
 
 /// Adds the corners of `polygon` that lie over the other one. `direction` is +1 for the first polygon, -1 for the second.
-template <std::size_t N, class Points>
-void collect_corners(const FacePolygon<N>& polygon, const FacePolygon<N>& other, std::span<const double> side_of_other,
-                     const ContactPlane& plane, double direction, Points& points) {
+inline void collect_corners(const FacePolygon& polygon, const FacePolygon& other, std::span<const double> side_of_other,
+                     const ContactPlane& plane, double direction, std::vector<Candidate>& points) {
     const auto corners = polygon.corners;
     const auto sides = other.corners;
     const double slope = glm::dot(other.normal, plane.normal);  // bounded away from 0 by the choice of the two faces
@@ -101,9 +98,8 @@ void collect_corners(const FacePolygon<N>& polygon, const FacePolygon<N>& other,
 }
 
 /// Adds the crossings of the two outlines.
-template <std::size_t N, class Points>
-void collect_crossings(const FacePolygon<N>& first, const FacePolygon<N>& second, std::span<const double> side_of_first,
-                       std::span<const double> side_of_second, const ContactPlane& plane, Points& points) {
+inline void collect_crossings(const FacePolygon& first, const FacePolygon& second, std::span<const double> side_of_first,
+                       std::span<const double> side_of_second, const ContactPlane& plane, std::vector<Candidate>& points) {
     const auto a = first.corners;
     const auto b = second.corners;
     for (std::size_t k = 0; k < a.size(); ++k) {
@@ -127,23 +123,21 @@ void collect_crossings(const FacePolygon<N>& first, const FacePolygon<N>& second
 /// Collects the corners of the region that two polygons share in the plane of contact: corners of either over the other, and
 /// crossings of their outlines. Nothing is ordered or cut one after the other, so the result treats both alike.
 /// `sides` needs room for 2 |first| |second| numbers.
-template <std::size_t N, class Points>
-void collect_face_contact(const FacePolygon<N>& first, const FacePolygon<N>& second, const ContactPlane& plane,
-                          std::span<double> sides, Points& points) {
+inline void collect_face_contact(const FacePolygon& first, const FacePolygon& second, const ContactPlane& plane,
+                          std::span<double> sides, std::vector<Candidate>& points) {
     const std::size_t half = first.corners.size() * second.corners.size();
     const std::span<double> of_first = sides.subspan(0, half);
     const std::span<double> of_second = sides.subspan(half, half);
     fill_sides(first, second, 1.0, of_first);
     fill_sides(second, first, -1.0, of_second);
-    collect_corners(first, second, std::span<const double>(of_second), plane, 1.0, points);
-    collect_corners(second, first, std::span<const double>(of_first), plane, -1.0, points);
-    collect_crossings(first, second, std::span<const double>(of_first), std::span<const double>(of_second), plane, points);
+    collect_corners(first, second, of_second, plane, 1.0, points);
+    collect_corners(second, first, of_first, plane, -1.0, points);
+    collect_crossings(first, second, of_first, of_second, plane, points);
 }
 
 /// Names a point after the corner that it lies at, within `distance` [m] in the plane of contact: a crossing that wanders over a
 /// corner keeps its name.
-template <std::size_t N>
-std::uint64_t steady_name(const Candidate& point, const FacePolygon<N>& first, const FacePolygon<N>& second, double distance) {
+inline std::uint64_t steady_name(const Candidate& point, const FacePolygon& first, const FacePolygon& second, double distance) {
     const auto near = [&](const FaceCorner& c) {
         const double du = c.u - point.u, dw = c.w - point.w;
         return du * du + dw * dw < distance * distance;
@@ -165,8 +159,7 @@ struct PatchRule {
 };
 
 /// Reduces the candidates to the points of the patch and gives them steady names.
-template <std::size_t N>
-void finish_patch(std::span<const Candidate> candidates, const FacePolygon<N>& first, const FacePolygon<N>& second,
+inline void finish_patch(std::span<const Candidate> candidates, const FacePolygon& first, const FacePolygon& second,
                   const PatchRule& rule, Patch& patch) {
     Chosen chosen{};
     const int count = reduce_points(candidates, rule.tolerance, rule.start, chosen);

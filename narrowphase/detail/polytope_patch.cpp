@@ -8,9 +8,7 @@
 namespace carom::detail {
 namespace {
 
-constexpr std::size_t kAny = std::dynamic_extent;
-
-FacePolygon<kAny> polygon_of(const Polytope& p, std::uint32_t face, const ContactPlane& plane, std::vector<FaceCorner>& corners) {
+FacePolygon polygon_of(const Polytope& p, std::uint32_t face, const ContactPlane& plane, std::vector<FaceCorner>& corners) {
     const Polytope::Face& f = p.planes[face];
     corners.clear();
     std::uint32_t e = f.first_edge;
@@ -60,14 +58,14 @@ void build_patch(const Polytope& a, const Polytope& b, const ContactAxis& axis, 
 
     const std::uint32_t face_a = axis.kind == AxisKind::FaceOfA ? axis.feature_a : face_along(a, plane.normal);
     const std::uint32_t face_b = axis.kind == AxisKind::FaceOfB ? axis.feature_b : face_along(b, -plane.normal);
-    const FacePolygon<kAny> first = polygon_of(a, face_a, plane, scratch.first);
-    const FacePolygon<kAny> second = polygon_of(b, face_b, plane, scratch.second);
+    const FacePolygon first = polygon_of(a, face_a, plane, scratch.first);
+    const FacePolygon second = polygon_of(b, face_b, plane, scratch.second);
 
     std::vector<Candidate>& points = scratch.candidates;
     points.clear();
     if (share_points(glm::dot(first.normal, plane.normal), -glm::dot(second.normal, plane.normal))) {
         scratch.sides.resize(2 * first.corners.size() * second.corners.size());
-        collect_face_contact<kAny>(first, second, plane, scratch.sides, points);
+        collect_face_contact(first, second, plane, scratch.sides, points);
     }
     // The deepest vertex belongs to the region as a rule. It does not where the other face that faces the normal best is not at
     // that vertex, and where rounding leaves no region.
@@ -78,7 +76,7 @@ void build_patch(const Polytope& a, const Polytope& b, const ContactAxis& axis, 
     patch.normal = plane.normal;
     patch.count = 0;
     const double snap = kSnap * std::min(least_side(first.corners), least_side(second.corners));
-    finish_patch<kAny>(points, first, second, {kPointTolerance * size, snap, outline_start(plane.normal, plane.axis_u, plane.axis_w)}, patch);
+    finish_patch(points, first, second, {kPointTolerance * size, snap, outline_start(plane.normal, plane.axis_u, plane.axis_w)}, patch);
 }
 
 }  // namespace carom::detail

@@ -1,7 +1,6 @@
 // Box and hull against a half-space: the corners below it.
 #include <carom/collision/convex_hull.hpp>
 #include <carom/core/math.hpp>
-#include <carom/narrowphase/detail/box_face.hpp>
 #include <carom/narrowphase/detail/kernels.hpp>
 #include <carom/narrowphase/detail/plane_form.hpp>
 #include <carom/narrowphase/detail/reduce.hpp>
@@ -27,7 +26,7 @@ Candidate corner_on_plane(const dvec3& corner, std::uint32_t vertex, const Plane
 
 void emit(std::span<const Candidate> candidates, double size, const PlaneFrame& plane, ManifoldSink& sink) {
     Chosen chosen{};
-    const int count = reduce_points(std::span<const Candidate>(candidates), kPointTolerance * size, plane.start, chosen);
+    const int count = reduce_points(candidates, kPointTolerance * size, plane.start, chosen);
     if (count == 0) return;
     Patch patch;
     patch.normal = -plane.form.normal;

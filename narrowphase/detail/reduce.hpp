@@ -1,7 +1,7 @@
 // From many points of one contact patch to the four that carry it.
 //
 //   std::array<int, 4> chosen;
-//   int count = reduce_points(std::span<const Candidate>(candidates), 1e-6 * size, start, chosen);
+//   int count = reduce_points(candidates, 1e-6 * size, start, chosen);
 #pragma once
 
 #include <carom/narrowphase/manifold.hpp>
@@ -46,20 +46,18 @@ struct PlanarDirection {
     return {glm::dot(start, axis_u), glm::dot(start, axis_w)};
 }
 
-template <class Point>
-[[nodiscard]] double planar_distance_sq(const Point& a, const Point& b) noexcept {
+[[nodiscard]] inline double planar_distance_sq(const Candidate& a, const Candidate& b) noexcept {
     return (b.u - a.u) * (b.u - a.u) + (b.w - a.w) * (b.w - a.w);
 }
 
 /// @return twice the signed area of the triangle (a, b, c).
-template <class Point>
-[[nodiscard]] double planar_area2(const Point& a, const Point& b, const Point& c) noexcept {
+[[nodiscard]] inline double planar_area2(const Candidate& a, const Candidate& b, const Candidate& c) noexcept {
     return (b.u - a.u) * (c.w - a.w) - (b.w - a.w) * (c.u - a.u);
 }
 
 /// @return the index with the largest score, if that is over `least`; otherwise -1. Ties go to the lower index.
-template <class Point, class Score>
-[[nodiscard]] int best_of(std::span<const Point> points, double least, const Score& score) noexcept {
+template <class Score>
+[[nodiscard]] int best_of(std::span<const Candidate> points, double least, const Score& score) noexcept {
     int best = -1;
     for (std::size_t i = 0; i < points.size(); ++i) {
         const double s = score(points[i]);
@@ -72,28 +70,27 @@ template <class Point, class Score>
 }
 
 /// Chooses up to four corners of the outline of the points.
-template <class Point>
-int choose_outline(std::span<const Point> points, double tolerance, const PlanarDirection& start, Chosen& chosen) noexcept {
-    const auto at = [&](int i) -> const Point& { return points[static_cast<std::size_t>(i)]; };
-    const auto along = [&](const Point& p) { return p.u * start.u + p.w * start.w; };
+inline int choose_outline(std::span<const Candidate> points, double tolerance, const PlanarDirection& start, Chosen& chosen) noexcept {
+    const auto at = [&](int i) -> const Candidate& { return points[static_cast<std::size_t>(i)]; };
+    const auto along = [&](const Candidate& p) { return p.u * start.u + p.w * start.w; };
     chosen[0] = std::max(0, best_of(points, along(points[0]), along));
-    const Point& a = at(chosen[0]);
-    chosen[1] = best_of(points, tolerance * tolerance, [&](const Point& p) { return planar_distance_sq(a, p); });
+    const Candidate& a = at(chosen[0]);
+    chosen[1] = best_of(points, tolerance * tolerance, [&](const Candidate& p) { return planar_distance_sq(a, p); });
     if (chosen[1] < 0) return 1;
-    const Point& b = at(chosen[1]);
+    const Candidate& b = at(chosen[1]);
 
     // An area counts from the tolerance times the longest side on.
     const double least = tolerance * std::sqrt(planar_distance_sq(a, b));
-    const int left = best_of(points, least, [&](const Point& p) { return planar_area2(a, b, p); });
-    const int right = best_of(points, least, [&](const Point& p) { return -planar_area2(a, b, p); });
+    const int left = best_of(points, least, [&](const Candidate& p) { return planar_area2(a, b, p); });
+    const int right = best_of(points, least, [&](const Candidate& p) { return -planar_area2(a, b, p); });
     if (left < 0 && right < 0) return 2;
     const bool is_left = right < 0 || (left >= 0 && planar_area2(a, b, at(left)) >= -planar_area2(a, b, at(right)));
     chosen[2] = is_left ? left : right;
-    const Point& c = at(chosen[2]);
+    const Candidate& c = at(chosen[2]);
 
     // What lies outside the triangle adds the area of the triangle that it makes with the edge it sees.
     const double turn = is_left ? -1.0 : 1.0;
-    chosen[3] = best_of(points, least, [&](const Point& p) {
+    chosen[3] = best_of(points, least, [&](const Candidate& p) {
         return std::max({turn * planar_area2(a, b, p), turn * planar_area2(b, c, p), turn * planar_area2(c, a, p)});
     });
     return chosen[3] < 0 ? 3 : 4;
@@ -103,18 +100,16 @@ int choose_outline(std::span<const Point> points, double tolerance, const Planar
 /// them, and the one that adds most area to it. Where the deepest of all is deeper than these by more than `tolerance`, it replaces
 /// the nearest of them. So the choice hangs on the outline, which is steady, and depth changes one point at most.
 /// Points within `tolerance` [m] of one another are one; a flat patch gives its corners whatever points lie between them.
-/// @param points  anything with u, w and separation [m].
 /// @return how many indices of `chosen` are in use, 1..4; 0 for no points. The same for the same order of points.
-template <class Point>
-int reduce_points(std::span<const Point> points, double tolerance, const PlanarDirection& start, Chosen& chosen) noexcept {
+inline int reduce_points(std::span<const Candidate> points, double tolerance, const PlanarDirection& start, Chosen& chosen) noexcept {
     if (points.empty()) return 0;
-    const auto at = [&](std::size_t i) -> const Point& { return points[static_cast<std::size_t>(chosen[i])]; };
+    const auto at = [&](std::size_t i) -> const Candidate& { return points[static_cast<std::size_t>(chosen[i])]; };
     int count = choose_outline(points, tolerance, start, chosen);
     double least = at(0).separation;
     for (std::size_t i = 1; i < static_cast<std::size_t>(count); ++i) least = std::min(least, at(i).separation);
-    const int deepest = best_of(points, tolerance - least, [](const Point& p) { return -p.separation; });
+    const int deepest = best_of(points, tolerance - least, [](const Candidate& p) { return -p.separation; });
     if (deepest < 0) return count;
-    const Point& d = points[static_cast<std::size_t>(deepest)];
+    const Candidate& d = points[static_cast<std::size_t>(deepest)];
     std::size_t nearest = 0;
     for (std::size_t i = 1; i < static_cast<std::size_t>(count); ++i) {
         if (planar_distance_sq(at(i), d) < planar_distance_sq(at(nearest), d)) nearest = i;

@@ -65,6 +65,7 @@ TEST(Chooser, ChangesMethodsUnderwayWithoutATraceInPairsAndEvents) {
     SerialExecutor executor;
     test::Crowd crowd(test::Distribution::Uniform, 420, 8, true);
     Broadphase broadphase;
+    EXPECT_EQ(broadphase.method(), BroadphaseMethod::Automatic) << "there is nothing to choose by yet";
     EXPECT_NE(broadphase.reason(), "");
     Random random(9);
     ASSERT_NO_FATAL_FAILURE(crowd.check(broadphase, executor));

@@ -15,20 +15,6 @@ using Json = nlohmann::json;
 
 constexpr int kOk = 0, kFailed = 1, kBadInput = 2, kNotFinite = 3, kEscaped = 4;
 
-// Refused before anything ran: code 2, nothing on stdout, and a message that names what is wrong.
-void expect_refused(const std::vector<std::string>& arguments, const std::vector<std::string>& named) {
-    const Outcome outcome = carom(arguments);
-    std::string line;
-    for (const std::string& word : arguments) {
-        line += " " + word;
-    }
-    EXPECT_EQ(outcome.code, kBadInput) << line;
-    EXPECT_EQ(outcome.out, "") << line;
-    for (const std::string& name : named) {
-        EXPECT_NE(outcome.err.find(name), std::string::npos) << line << "\nsaid: " << outcome.err << "missing: " << name;
-    }
-}
-
 // Two crates on a floor, in a domain of 20 m, with whatever is changed.
 Json crates() {
     const Json crate{{"position", {0, 0.5, 0}}, {"shapes", {{{"type", "box"}, {"half_extents", {0.5, 0.5, 0.5}}}}}};
@@ -253,6 +239,7 @@ TEST(Cli, AReportGoesIntoAFileAndTheSummaryToStdout) {
     EXPECT_EQ(outcome.code, kOk);
     EXPECT_EQ(outcome.err, "") << "progress is for terminals only";
     EXPECT_NE(outcome.out.find("state hash"), std::string::npos);
+    EXPECT_NE(outcome.out.find("files         " + path + "\n"), std::string::npos) << outcome.out;
     EXPECT_LE(std::count(outcome.out.begin(), outcome.out.end(), '\n'), 40) << "one screen";
     std::FILE* file = std::fopen(path.c_str(), "r");
     ASSERT_NE(file, nullptr);
@@ -269,6 +256,7 @@ TEST(Cli, FramesGoIntoAFolderThatIsMade) {
     const Outcome outcome = carom({"run", "tall_stack", "--bodies", "2", "--steps", "130", "--vtk", out, "--json", out + "/r.json"});
     EXPECT_EQ(outcome.code, kOk) << outcome.err;
     EXPECT_TRUE(std::filesystem::exists(out + "/frames.pvd"));
+    EXPECT_NE(outcome.out.find(" " + out + "/frames.pvd\n"), std::string::npos) << outcome.out;
     EXPECT_TRUE(std::filesystem::exists(out + "/r.json"));
     std::size_t frames = 0;
     for (const auto& file : std::filesystem::directory_iterator(out + "/frames")) {

@@ -1,5 +1,7 @@
 #include <cli/program.hpp>
 
+#include <gtest/gtest.h>
+
 #include <algorithm>
 #include <cstdlib>
 #include <fcntl.h>
@@ -50,6 +52,19 @@ Outcome carom(const std::vector<std::string>& arguments) {
     int status = 0;
     if (child < 0 || waitpid(child, &status, 0) != child) throw std::runtime_error("cannot run the program");
     return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, contents(out), contents(err)};
+}
+
+void expect_refused(const std::vector<std::string>& arguments, const std::vector<std::string>& named) {
+    const Outcome outcome = carom(arguments);
+    std::string line;
+    for (const std::string& word : arguments) {
+        line += " " + word;
+    }
+    EXPECT_EQ(outcome.code, 2) << line;
+    EXPECT_EQ(outcome.out, "") << line;
+    for (const std::string& name : named) {
+        EXPECT_NE(outcome.err.find(name), std::string::npos) << line << "\nsaid: " << outcome.err << "missing: " << name;
+    }
 }
 
 TemporaryFolder::TemporaryFolder() : path_(std::filesystem::temp_directory_path() / "carom_cli_XXXXXX") {

@@ -14,6 +14,9 @@ struct Outcome {
 /// Runs `carom` with the arguments, without a shell, stdin empty, both streams into pipes of their own.
 [[nodiscard]] Outcome carom(const std::vector<std::string>& arguments);
 
+/// Expects it to refuse them before anything runs: code 2, nothing on stdout, and a message that holds each of `named`.
+void expect_refused(const std::vector<std::string>& arguments, const std::vector<std::string>& named);
+
 /// A fresh folder, removed with everything in it at the end of its life.
 class TemporaryFolder {
 public:

@@ -18,19 +18,6 @@ using Json = nlohmann::json;
 
 constexpr int kOk = 0, kFailed = 1, kBadInput = 2;
 
-void expect_refused(const std::vector<std::string>& arguments, const std::vector<std::string>& named) {
-    const Outcome outcome = carom(arguments);
-    std::string line;
-    for (const std::string& word : arguments) {
-        line += " " + word;
-    }
-    EXPECT_EQ(outcome.code, kBadInput) << line;
-    EXPECT_EQ(outcome.out, "") << line;
-    for (const std::string& name : named) {
-        EXPECT_NE(outcome.err.find(name), std::string::npos) << line << "\nsaid: " << outcome.err << "missing: " << name;
-    }
-}
-
 Json report(std::vector<std::string> arguments) {
     arguments.insert(arguments.end(), {"--json", "-"});
     const Outcome outcome = carom(arguments);
