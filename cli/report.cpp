@@ -59,6 +59,7 @@ Json error_json(const RunRecord& record) {
              {"tunnelled", or_null(record.tunnelled)},
              {"non_finite", record.non_finite},
              {"quarantined", record.quarantined},
+             {"pairs_limited", record.pairs_limited},
              {"undecided", record.undecided},
              {"overflow", record.overflow},
              {"deep", record.deep}};
@@ -122,8 +123,8 @@ std::string summary(const RunRecord& record) {
                        record.momentum_drift->angular);
     }
     fmt::format_to(out, "escaped       {}", record.escaped ? fmt::to_string(*record.escaped) : "- (the scene has no limits)");
-    fmt::format_to(out, "{}{}{}{}\n", count("not finite", record.non_finite), count("quarantined", record.quarantined),
-                   count("pairs undecided", record.undecided), count("manifolds beyond the last colour", record.overflow));
+    fmt::format_to(out, "{}{}{}{}{}\n", count("not finite", record.non_finite), count("quarantined", record.quarantined),
+                   count("steps that left pairs out", record.pairs_limited), count("pairs undecided", record.undecided), count("manifolds beyond the last colour", record.overflow));
     if (record.tunnelled) fmt::format_to(out, "tunnelled     {} of {}\n", *record.tunnelled, record.bodies);
     fmt::format_to(out, "deep          {} points whose push-out was limited, over all steps\n", record.deep);
     if (record.max_speed) {

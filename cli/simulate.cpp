@@ -35,6 +35,7 @@ public:
         }
         quarantined_.insert(report.quarantined.begin(), report.quarantined.end());
         undecided_ += report.undecided;
+        pairs_limited_ += report.pairs_limited ? 1 : 0;
         overflow_ += report.overflow;
         deep_ += report.deep;
         contacts_ = report.contacts;
@@ -61,6 +62,7 @@ public:
         if (!is_empty(domain_)) record.escaped = escaped_.size();
         record.quarantined = quarantined_.size();
         record.undecided = undecided_;
+        record.pairs_limited = pairs_limited_;
         record.overflow = overflow_;
         record.deep = deep_;
         record.contacts = contacts_;
@@ -93,7 +95,7 @@ private:
     std::vector<double> step_ms_;
     std::array<double, kStageCount> stage_ms_{};
     std::set<BodyId> escaped_, quarantined_;
-    std::size_t undecided_ = 0, overflow_ = 0, deep_ = 0, contacts_ = 0, manifolds_ = 0;
+    std::size_t undecided_ = 0, pairs_limited_ = 0, overflow_ = 0, deep_ = 0, contacts_ = 0, manifolds_ = 0;
 };
 
 // Bodies, speeds and hash of the last state.

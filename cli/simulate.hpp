@@ -44,6 +44,7 @@ struct RunRecord {
     std::optional<std::size_t> escaped;
     std::optional<int> tunnelled;
     std::size_t non_finite = 0, quarantined = 0;
+    std::size_t pairs_limited = 0;  ///< steps that left pairs out
     std::size_t undecided = 0, overflow = 0, deep = 0;
 
     std::optional<double> max_speed, mean_speed;      ///< none without dynamic bodies

@@ -47,6 +47,7 @@ struct StepReport {
     double max_penetration = 0.0;   ///< by the manifolds at the start of the step [m]
     double mean_penetration = 0.0;  ///< over the touching points [m]
 
+    bool pairs_limited = false;  ///< more boxes overlapped than WorldDef::pair_limit: contacts of the rest were not looked for
     std::size_t undecided = 0;   ///< pairs whose narrowphase stopped at its cap
     std::size_t overflow = 0;    ///< manifolds beyond the last colour, solved one after the other
     std::size_t deep = 0;        ///< points that began the step so deep that their push was limited by WorldDef::max_push

@@ -71,13 +71,14 @@ Status validate(const WorldDef& def) {
     }
     if (!is_finite(def.max_push) || def.max_push < 0.0) return fault(ErrorCode::InvalidArgument, "max_push must not be negative");
     if (!is_valid(def.broadphase)) return fault(ErrorCode::InvalidArgument, "no such broadphase");
+    if (def.pair_limit < 1 || def.pair_limit > std::size_t{1} << 31) return fault(ErrorCode::InvalidArgument, "pair_limit must be in 1..2^31");
     if (def.plan != PlanMode::Automatic && def.plan != PlanMode::Everything) {
         return fault(ErrorCode::InvalidArgument, "no such plan mode");
     }
     return {};
 }
 
-World::Impl::Impl(const WorldDef& settings) : def(settings), broadphase({.method = settings.broadphase}) {}
+World::Impl::Impl(const WorldDef& settings) : def(settings), broadphase({.method = settings.broadphase, .pair_limit = settings.pair_limit}) {}
 
 World::World(const WorldDef& def) : impl_(std::make_unique<Impl>(checked(def))) {}
 World::~World() = default;

@@ -19,6 +19,7 @@
 #include <carom/narrowphase/manifold.hpp>
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <memory>
 #include <optional>
@@ -31,6 +32,7 @@ struct WorldDef {
     int substeps = 8;                 ///< per step, 1..1024
     Executor* executor = nullptr;     ///< null: serial. Not owned; must outlive the world
     BroadphaseMethod broadphase = BroadphaseMethod::Automatic;
+    std::size_t pair_limit = std::size_t{1} << 27;  ///< pairs of boxes that are kept, 1..2^31; see StepReport::pairs_limited
     PlanMode plan = PlanMode::Automatic;
     double contact_rate = 0.1875;     ///< frequency of soft contacts over the substep rate 1/h, in (0, 0.25]: 90 Hz at h = 1/480 s;
                                       ///< doubled against static bodies

@@ -91,6 +91,7 @@ StepReport World::step(double dt) {
         step.run(Stage::Pairs, [&] {
             const ProxyChanges changes{w.proxies.boxes, w.proxies.filters, w.proxies.moved, {}};
             const PairUpdate& found = w.broadphase.update(changes, executor);
+            step.report.pairs_limited = found.status != PairStatus::Complete;
             dynamics::gather_pairs(w.proxies, w.arrays, found.pairs, dt, w.contacts.pairs);
         });
         step.run(Stage::Collide, [&] {

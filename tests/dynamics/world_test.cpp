@@ -77,9 +77,22 @@ TEST(World, RefusesBadSettings) {
     EXPECT_THROW(World({.contact_rate = 0.3}), MisuseError);
     EXPECT_THROW(World({.max_push = kNaN}), MisuseError);
     EXPECT_THROW(World({.broadphase = static_cast<BroadphaseMethod>(7)}), MisuseError);
+    EXPECT_THROW(World({.pair_limit = 0}), MisuseError);
+    EXPECT_THROW(World({.pair_limit = (std::size_t{1} << 31) + 1}), MisuseError);
     EXPECT_THROW(World({.plan = static_cast<PlanMode>(7)}), MisuseError);
     World world;
     expect_refused(world, ErrorCode::InvalidArgument, [&] { world.create_body({.type = static_cast<BodyType>(9)}); });
+}
+
+// Three crates in one place are three pairs.
+TEST(World, SaysWhereItLeftPairsOut) {
+    for (const std::size_t limit : {2u, 3u}) {
+        World world({.pair_limit = limit});
+        for (int i = 0; i < 3; ++i) world.add_shape(world.create_body({.position = {0.01 * i, 0, 0}}), Box{});
+        const StepReport report = world.step(kDt);
+        EXPECT_EQ(report.pairs_limited, limit == 2);
+        EXPECT_EQ(report.pairs, limit);
+    }
 }
 
 TEST(World, RefusesBadSteps) {
