@@ -182,6 +182,10 @@ HWY_INLINE void store_unaligned(Ints a, std::int32_t* to) { hn::StoreU(a.raw, In
 HWY_INLINE Ints lane_numbers() { return Ints{hn::Iota(IntTag(), 0)}; }
 /// @return each integer as a float, rounded to nearest.
 HWY_INLINE Floats to_floats(Ints a) { return Floats{hn::ConvertTo(FloatTag(), a.raw)}; }
+/// @param a  within the range of Ints. @return rounded towards zero.
+HWY_INLINE Ints truncate(Floats a) { return Ints{hn::ConvertTo(IntTag(), a.raw)}; }
+/// @return base[index] in each lane. Slower than loads of neighbours, unless these would have to be picked apart.
+HWY_INLINE Floats gather(const float* base, Ints index) { return Floats{hn::GatherIndex(FloatTag(), base, index.raw)}; }
 /// @return the same 32 bits.
 HWY_INLINE Ints as_ints(Floats a) { return Ints{hn::BitCast(IntTag(), a.raw)}; }
 HWY_INLINE Floats as_floats(Ints a) { return Floats{hn::BitCast(FloatTag(), a.raw)}; }
