@@ -90,10 +90,11 @@ void homes(const CellMap& map, std::span<const FloatAabb> boxes, std::span<const
     }
 }
 
-void fill(std::span<const FloatAabb> boxes, std::span<const std::uint32_t> order, const int axes[3], Entries& entries) {
+void fill(std::span<const FloatAabb> boxes, std::span<const std::uint32_t> order, std::size_t first, std::size_t last, const int axes[3],
+          Entries& entries) {
     const float* const floats = &boxes[0].lower.x;
-    // Entries have room for whole vectors; what is written beyond the last is overwritten by the sentinels.
-    for (std::size_t i = 0; i < order.size(); i += kLanes) {
+    static_assert(kEntriesAtOnce % kLanes == 0);
+    for (std::size_t i = first; i < last; i += kLanes) {
         const Ints slots = slots_at(order, i);
         const Mask empty = slots < Ints{0};
         const Ints tags = select(empty, Ints{0}, slots), at = places_of(tags);
@@ -124,8 +125,9 @@ void find_homes(const CellMap& map, std::span<const FloatAabb> boxes, std::span<
                 std::uint32_t* code) {
     HWY_DYNAMIC_DISPATCH(homes)(map, boxes, slots, cell, code);
 }
-void fill_entries(std::span<const FloatAabb> boxes, std::span<const std::uint32_t> order, const int axes[3], Entries& entries) {
-    HWY_DYNAMIC_DISPATCH(fill)(boxes, order, axes, entries);
+void fill_entries(std::span<const FloatAabb> boxes, std::span<const std::uint32_t> order, std::size_t first, std::size_t last,
+                  const int axes[3], Entries& entries) {
+    HWY_DYNAMIC_DISPATCH(fill)(boxes, order, first, last, axes, entries);
 }
 
 }  // namespace carom::detail

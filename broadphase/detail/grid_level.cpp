@@ -17,6 +17,9 @@ constexpr double kRowEdges = 1.25;
 constexpr double kBoxesACell = 3.0;
 // Boxes that share a cell, from which on a table of larger cells is given up for cells of the wanted size by hash.
 constexpr double kCrowd = 40.0;
+// What a thread takes at a time.
+constexpr std::size_t kSlotsAPart = 4096;
+static_assert(kSlotsAPart % kEntriesAtOnce == 0);
 
 // How the lower corners lie along an axis.
 struct Spread {
@@ -41,8 +44,25 @@ Spread spread_along(int axis, const CornerSpread& all, const ProxyTable& table, 
     return {std::max(low, origin + mean - 3.0 * deviation), std::min(high, origin + mean + 3.0 * deviation), all.edge[axis]};
 }
 
-CellMap choose_cells(const ProxyTable& table, std::span<const std::uint32_t> slots, bool hashed) {
-    const CornerSpread all = spread_of(table.boxes, slots);
+CornerSpread whole_spread(const ProxyTable& table, std::span<const std::uint32_t> slots, Executor& executor) {
+    const std::size_t parts = (slots.size() + kSlotsAPart - 1) / kSlotsAPart;
+    std::vector<CornerSpread> spreads(parts);
+    executor.parallel_for(parts, 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            const std::size_t first = k * kSlotsAPart;
+            spreads[k] = spread_of(table.boxes, slots.subspan(first, std::min(kSlotsAPart, slots.size() - first)));
+        }
+    });
+    CornerSpread all = spreads[0];
+    for (const CornerSpread& part : spreads) {
+        all.low = glm::min(all.low, part.low);
+        all.high = glm::max(all.high, part.high);
+        all.edge = glm::max(all.edge, part.edge);
+    }
+    return all;
+}
+
+CellMap choose_cells(const CornerSpread& all, const ProxyTable& table, std::span<const std::uint32_t> slots, bool hashed) {
     Spread s[3] = {spread_along(0, all, table, slots), spread_along(1, all, table, slots), spread_along(2, all, table, slots)};
     CellMap map;
     const auto swap_if_narrower = [&](int i, int j) {
@@ -103,11 +123,14 @@ bool GridLevel::fits(const FloatAabb& box) const noexcept {
     return true;
 }
 
-double GridLevel::count_cells(const ProxyTable& table, std::span<const std::uint32_t> slots) {
+double GridLevel::count_cells(const ProxyTable& table, std::span<const std::uint32_t> slots, Executor& executor) {
     const std::size_t cells = map.hashed ? std::size_t{map.mask} + 1 : std::size_t{map.count[0]} * map.count[1] * map.count[2];
     used.assign(cells, 0);
     double mates = 0.0;
-    find_homes(map, table.boxes, slots, cell_of_.data(), code_of_.data());
+    executor.parallel_for(slots.size(), kSlotsAPart, [&](std::size_t first, std::size_t last) {
+        std::uint32_t* const codes = map.hashed ? code_of_.data() + first : nullptr;
+        find_homes(map, table.boxes, slots.subspan(first, last - first), cell_of_.data() + first, codes);
+    });
     for (std::size_t i = 0; i < slots.size(); ++i) rank_[i] = used[cell_of_[i]]++;
     for (const std::uint32_t count : used) mates += static_cast<double>(count) * count;
     return slots.empty() ? 0.0 : mates / static_cast<double>(slots.size());
@@ -124,47 +147,61 @@ void GridLevel::give_room() {
     stray_begin = stray_end = end;
 }
 
-void GridLevel::build(const ProxyTable& table, std::span<const std::uint32_t> slots, Slack slack, std::vector<std::uint32_t>& place) {
+void GridLevel::build(const ProxyTable& table, std::span<const std::uint32_t> slots, Slack slack, std::vector<std::uint32_t>& place,
+                      Executor& executor) {
     slack_ = slack;
     size_ = slots.size();
     cell_of_.resize(size_);
     rank_.resize(size_);
-    if (size_ != 0) map = choose_cells(table, slots, false);
-    if (count_cells(table, slots) > kCrowd) {
+    CornerSpread all;
+    if (size_ != 0) {
+        all = whole_spread(table, slots, executor);
+        map = choose_cells(all, table, slots, false);
+    }
+    if (count_cells(table, slots, executor) > kCrowd) {
+        const auto inner_cells = [](const CellMap& m) {
+            return static_cast<double>(m.last[0]) * static_cast<double>(m.last[1]) * static_cast<double>(m.last[2]);
+        };
         const CellMap crowded = map;
-        map = choose_cells(table, slots, true);
-        const double cells_then = static_cast<double>(crowded.last[0]) * static_cast<double>(crowded.last[1]) * static_cast<double>(crowded.last[2]);
-        const double cells_now = static_cast<double>(map.last[0]) * static_cast<double>(map.last[1]) * static_cast<double>(map.last[2]);
-        if (cells_now > 4.0 * cells_then + 64.0) {
+        map = choose_cells(all, table, slots, true);
+        if (inner_cells(map) > 4.0 * inner_cells(crowded) + 64.0) {
             map.mask = 63;
             while (map.mask < size_ / 2) map.mask = 2 * map.mask + 1;
             code_of_.resize(size_);
         } else {
             map = crowded;  // cells of the wanted size would be as crowded
         }
-        count_cells(table, slots);
+        count_cells(table, slots, executor);
     }
     give_room();
+    fill_cells(table, slots, place, executor);
+}
+
+void GridLevel::fill_cells(const ProxyTable& table, std::span<const std::uint32_t> slots, std::vector<std::uint32_t>& place,
+                           Executor& executor) {
     const std::size_t total = stray_end;
     entries.grow(total + Entries::kSentinels);
     home_.resize(total);
     if (map.hashed) code.resize(total + Entries::kSentinels);
     order_.assign(total, kNobody);
-    for (std::size_t i = 0; i < size_; ++i) order_[begin[cell_of_[i]] + rank_[i]] = slots[i];
-    fill_entries(table.boxes, order_, map.axes, entries);
-    for (std::size_t at = 0; at < total; ++at) {
-        if (order_[at] != kNobody && table.movable[order_[at]] == 0) entries.tag[at] |= static_cast<std::int32_t>(kImmovable);
-    }
-    if (map.hashed) {
-        for (std::size_t i = 0; i < size_; ++i) code[begin[cell_of_[i]] + rank_[i]] = code_of_[i];
-    }
-    if (slack_ == Slack::Some) {
-        for (std::size_t i = 0; i < size_; ++i) {
+    executor.parallel_for(size_, kSlotsAPart, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
             const std::uint32_t at = begin[cell_of_[i]] + rank_[i];
+            order_[at] = slots[i];
+            if (map.hashed) code[at] = code_of_[i];
+            if (slack_ == Slack::None) continue;  // nothing will be moved or taken out
             home_[at] = cell_of_[i];
             place[slots[i]] = at;
         }
-    }
+    });
+    const std::size_t parts = (total + kSlotsAPart - 1) / kSlotsAPart;
+    executor.parallel_for(parts, 1, [&](std::size_t begin_part, std::size_t end_part) {
+        const std::size_t first = begin_part * kSlotsAPart, last = std::min(end_part * kSlotsAPart, total);
+        fill_entries(table.boxes, order_, first, last, map.axes, entries);
+        for (std::size_t at = first; at < last; ++at) {
+            if (order_[at] != kNobody && table.movable[order_[at]] == 0) entries.tag[at] |= static_cast<std::int32_t>(kImmovable);
+        }
+    });
     entries.close(total);
 }
 

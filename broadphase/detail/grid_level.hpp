@@ -1,6 +1,6 @@
 // One grid: boxes of like size, each listed once, in the cell of its lower corner.
 //
-//   level.build(table, slots, Slack::None);
+//   level.build(table, slots, Slack::None, place, executor);
 //   find_all_in_level(level, first, last, out);          // pairs within the level
 //   level.apply(...); find_begun_in_level(level, movers, out);
 //
@@ -12,6 +12,7 @@
 
 #include <carom/broadphase/detail/overlap_kernel.hpp>
 #include <carom/broadphase/detail/proxy_table.hpp>
+#include <carom/core/executor.hpp>
 #include <carom/core/function_ref.hpp>
 
 #include <cstddef>
@@ -65,7 +66,8 @@ enum class Slack { None, Some };
 class GridLevel {
 public:
     /// Lists the boxes of these slots anew. place[slot] becomes where each is.
-    void build(const ProxyTable& table, std::span<const std::uint32_t> slots, Slack slack, std::vector<std::uint32_t>& place);
+    void build(const ProxyTable& table, std::span<const std::uint32_t> slots, Slack slack, std::vector<std::uint32_t>& place,
+               Executor& executor);
     [[nodiscard]] bool has_slack() const noexcept { return slack_ == Slack::Some; }
 
     /// Whether a box is short enough to be listed in a cell.
@@ -111,7 +113,8 @@ private:
                    FunctionRef<bool(std::uint32_t)> visit) const;
     [[nodiscard]] Home home_of(const FloatAabb& box) const noexcept;
     /// Counts the boxes of each cell into `used` and numbers them there. @return the mean number of boxes that share a box's cell.
-    double count_cells(const ProxyTable& table, std::span<const std::uint32_t> slots);
+    double count_cells(const ProxyTable& table, std::span<const std::uint32_t> slots, Executor& executor);
+    void fill_cells(const ProxyTable& table, std::span<const std::uint32_t> slots, std::vector<std::uint32_t>& place, Executor& executor);
     void give_room();
     void put(const ProxyTable& table, std::size_t at, std::uint32_t slot, Home home, std::vector<std::uint32_t>& place);
 
@@ -126,9 +129,12 @@ private:
 void find_homes(const CellMap& map, std::span<const FloatAabb> boxes, std::span<const std::uint32_t> slots, std::uint32_t* cell,
                 std::uint32_t* code);
 
-/// Entry k becomes the box of order[k], with the slot for its tag; kNobody stands for no box, and entries that nobody has overlap nothing.
+/// Entry k becomes the box of order[k], with the slot for its tag, for k in [first, last); kNobody stands for a box that overlaps
+/// nothing. Entries are written up to the next multiple of kEntriesAtOnce.
 inline constexpr std::uint32_t kNobody = ~std::uint32_t{0};
-void fill_entries(std::span<const FloatAabb> boxes, std::span<const std::uint32_t> order, const int axes[3], Entries& entries);
+inline constexpr std::size_t kEntriesAtOnce = 16;
+void fill_entries(std::span<const FloatAabb> boxes, std::span<const std::uint32_t> order, std::size_t first, std::size_t last,
+                  const int axes[3], Entries& entries);
 
 /// The least box around the lower corners of boxes, and their longest edges, each rounded upward.
 struct CornerSpread {
