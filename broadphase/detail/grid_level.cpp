@@ -44,9 +44,10 @@ Spread spread_along(int axis, const CornerSpread& all, const ProxyTable& table, 
     return {std::max(low, origin + mean - 3.0 * deviation), std::min(high, origin + mean + 3.0 * deviation), all.edge[axis]};
 }
 
-CornerSpread whole_spread(const ProxyTable& table, std::span<const std::uint32_t> slots, Executor& executor) {
+CornerSpread whole_spread(const ProxyTable& table, std::span<const std::uint32_t> slots, std::vector<CornerSpread>& spreads,
+                          Executor& executor) {
     const std::size_t parts = (slots.size() + kSlotsAPart - 1) / kSlotsAPart;
-    std::vector<CornerSpread> spreads(parts);
+    spreads.resize(parts);
     executor.parallel_for(parts, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             const std::size_t first = k * kSlotsAPart;
@@ -155,7 +156,7 @@ void GridLevel::build(const ProxyTable& table, std::span<const std::uint32_t> sl
     rank_.resize(size_);
     CornerSpread all;
     if (size_ != 0) {
-        all = whole_spread(table, slots, executor);
+        all = whole_spread(table, slots, spreads_, executor);
         map = choose_cells(all, table, slots, false);
     }
     if (count_cells(table, slots, executor) > kCrowd) {
@@ -327,7 +328,7 @@ void GridLevel::prefetch(std::size_t at) const noexcept {
 }
 
 std::size_t GridLevel::memory() const noexcept {
-    return entries.memory() + sizeof(std::uint32_t) * (begin.capacity() + used.capacity() + code.capacity() + home_.capacity() +
+    return entries.memory() + sizeof(CornerSpread) * spreads_.capacity() + sizeof(std::uint32_t) * (begin.capacity() + used.capacity() + code.capacity() + home_.capacity() +
                                                        cell_of_.capacity() + code_of_.capacity() + rank_.capacity() + order_.capacity());
 }
 

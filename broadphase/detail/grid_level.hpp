@@ -63,6 +63,11 @@ struct CellMap {
 
 enum class Slack { None, Some };
 
+/// The least box around the lower corners of boxes, and their longest edges, each rounded upward.
+struct CornerSpread {
+    vec3 low{0.0f}, high{0.0f}, edge{0.0f};
+};
+
 class GridLevel {
 public:
     /// Lists the boxes of these slots anew. place[slot] becomes where each is.
@@ -123,6 +128,7 @@ private:
     std::vector<std::uint32_t> home_;               // the cell of each entry
     std::vector<std::uint32_t> cell_of_, code_of_, rank_;  // of each slot of the list, while the level is built
     std::vector<std::uint32_t> order_;                     // the slots cell by cell
+    std::vector<CornerSpread> spreads_;
 };
 
 /// The cells of boxes by their lower corners, and the codes of these cells where they are hashed.
@@ -136,10 +142,7 @@ inline constexpr std::size_t kEntriesAtOnce = 16;
 void fill_entries(std::span<const FloatAabb> boxes, std::span<const std::uint32_t> order, std::size_t first, std::size_t last,
                   const int axes[3], Entries& entries);
 
-/// The least box around the lower corners of boxes, and their longest edges, each rounded upward.
-struct CornerSpread {
-    vec3 low{0.0f}, high{0.0f}, edge{0.0f};
-};
+/// Of the boxes of these slots, one at least.
 [[nodiscard]] CornerSpread spread_of(std::span<const FloatAabb> boxes, std::span<const std::uint32_t> slots);
 
 /// Pairs of the boxes in cells [first, last) with each other and those in later cells of the level, which was just built; each once.
