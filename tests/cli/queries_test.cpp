@@ -72,7 +72,7 @@ TEST(Accuracy, AReportHasEveryKey) {
         }
         ASSERT_FALSE(study.at("points").empty());
         for (const Json& point : study.at("points")) {
-            EXPECT_EQ(point.at("who"), "carom");
+            EXPECT_TRUE(CAROM_HAS_PEERS || point.at("who") == "carom") << point.at("who");
             EXPECT_TRUE(point.at("settings").is_object());
             EXPECT_GT(point.at("time_s"), 0.0);
             EXPECT_GE(point.at("time_iqr_s"), 0.0);
