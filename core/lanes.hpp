@@ -152,6 +152,9 @@ HWY_INLINE Floats load_unaligned(const float* from) { return Floats{hn::LoadU(Fl
 HWY_INLINE void store(Floats a, float* to) { hn::Store(a.raw, FloatTag(), to); }
 HWY_INLINE void store_unaligned(Floats a, float* to) { hn::StoreU(a.raw, FloatTag(), to); }
 HWY_INLINE Floats broadcast(float x) { return Floats{x}; }
+/// @return the least and the greatest of all lanes, none of which is NaN.
+HWY_INLINE float least_lane(Floats a) { return hn::GetLane(hn::MinOfLanes(FloatTag(), a.raw)); }
+HWY_INLINE float greatest_lane(Floats a) { return hn::GetLane(hn::MaxOfLanes(FloatTag(), a.raw)); }
 
 /// One 32-bit signed integer a lane. Arithmetic wraps.
 struct Ints {

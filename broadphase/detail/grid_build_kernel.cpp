@@ -37,13 +37,6 @@ HWY_INLINE Ints places_of(Ints slots) {
     return twice + (twice + twice);
 }
 
-HWY_INLINE float least_of(Floats a) {
-    alignas(64) float lanes[kLanes];
-    store(a, lanes);
-    return *std::min_element(lanes, lanes + kLanes);
-}
-HWY_INLINE float greatest_of(Floats a) { return -least_of(-a); }
-
 CornerSpread corner_spread(std::span<const FloatAabb> boxes, std::span<const std::uint32_t> slots) {
     const float* const floats = &boxes[0].lower.x;
     Floats low[3], high[3], edge[3];
@@ -62,9 +55,9 @@ CornerSpread corner_spread(std::span<const FloatAabb> boxes, std::span<const std
     }
     CornerSpread out;
     for (int k = 0; k < 3; ++k) {
-        out.low[k] = least_of(low[k]);
-        out.high[k] = greatest_of(high[k]);
-        out.edge[k] = std::nextafter(greatest_of(edge[k]), kInfinity);
+        out.low[k] = least_lane(low[k]);
+        out.high[k] = greatest_lane(high[k]);
+        out.edge[k] = std::nextafter(greatest_lane(edge[k]), kInfinity);
     }
     return out;
 }
