@@ -50,6 +50,35 @@ HWY_INLINE unsigned overlapping(const Bounds& boxes, const Bounds& others, std::
     return met;
 }
 
+/// The box around all of them.
+struct Whole {
+    float lower[3], upper[3];
+};
+HWY_INLINE Whole whole_of(const Bounds& boxes) {
+    Whole out;
+    for (int k = 0; k < 3; ++k) {
+        Floats lower(load(boxes[0][k])), upper(load(boxes[1][k]));
+        for (int part = kLanes; part < kWidth; part += kLanes) {
+            lower = min(lower, load(boxes[0][k] + part));
+            upper = max(upper, load(boxes[1][k] + part));
+        }
+        out.lower[k] = least_lane(lower);
+        out.upper[k] = greatest_lane(upper);
+    }
+    return out;
+}
+HWY_INLINE unsigned overlapping(const Bounds& boxes, const Whole& other) {
+    unsigned met = 0;
+    for (int part = 0; part < kWidth; part += kLanes) {
+        Mask all = first_lanes(kLanes);
+        for (int k = 0; k < 3; ++k) {
+            all = all & (load(boxes[0][k] + part) <= Floats(other.upper[k])) & (load(boxes[1][k] + part) >= Floats(other.lower[k]));
+        }
+        met |= bits(all) << part;
+    }
+    return met;
+}
+
 /// How far box j of the others reaches into those of the boxes whose bits are set, at most: the least overlap along an axis.
 HWY_INLINE float greatest_depth(const Bounds& boxes, const Bounds& others, std::size_t j, unsigned among) {
     float greatest = 0.0f;
@@ -73,6 +102,7 @@ struct alignas(64) Described {
     float corner[3][3][kWidth];   ///< [corner][x, y, z]
     float normal[3][kWidth];
     float longest;                ///< edge of a box, margin included
+    Whole whole;                  ///< around all boxes
     bool has_planes = false;
 
     HWY_INLINE void set(const WideLeaf& leaf, const float (&vertex)[3][kWidth], float margin) {
@@ -95,6 +125,7 @@ struct alignas(64) Described {
             }
         }
         longest = greatest_lane(length);
+        whole = whole_of(box);
         has_planes = false;
     }
 
@@ -150,10 +181,13 @@ HWY_INLINE void place_vertices(const WideLeaf& leaf, const float (&to)[3][4], fl
 
 /// @return whether any triangles may meet; then `pair.partners` says which.
 HWY_INLINE bool find_partners(Described& first, Described& second, const WidePlacement& placement, LeafPair& pair) {
-    const unsigned there = (1u << pair.a.triangle_count) - 1u;
+    const unsigned near_b = overlapping(first.box, second.whole) & ((1u << pair.a.triangle_count) - 1u);
+    const unsigned near_a = overlapping(second.box, first.whole) & ((1u << pair.b.triangle_count) - 1u);
+    if (near_a == 0 || near_b == 0) return false;
     unsigned some = 0;
-    for (std::size_t j = 0; j < pair.b.triangle_count; ++j) {
-        pair.partners[j] = overlapping(first.box, second.box, j) & there;
+    for (unsigned rest = near_a; rest != 0; rest &= rest - 1) {
+        const auto j = static_cast<std::size_t>(std::countr_zero(rest));
+        pair.partners[j] = overlapping(first.box, second.box, j) & near_b;
         some |= pair.partners[j];
     }
     if (some == 0) return false;
@@ -239,7 +273,9 @@ void descend(const WideBvh& a, const WideBvh& b, const WidePlacement& placement,
         place_boxes(*second.bound, placement.to_a, placement.margin_a, b_in_a);
         std::size_t deepest = stack.size();
         float depth = -1.0f;
-        for (std::size_t j = 0; j < second.count; ++j) {
+        const unsigned there = (1u << second.count) - 1u;
+        for (unsigned near = overlapping(b_in_a, whole_of(*first.bound)) & there; near != 0; near &= near - 1) {
+            const auto j = static_cast<std::size_t>(std::countr_zero(near));
             unsigned met = overlapping(*first.bound, b_in_a, j) & overlapping(a_in_b, *second.bound, j);
             if (met == 0) continue;
             const float here_depth = greatest_depth(*first.bound, b_in_a, j, met);
