@@ -34,16 +34,16 @@ bool is_finite_box(const FloatAabb& box) noexcept {
     return sum - sum == 0.0;
 }
 
-std::unique_ptr<detail::Method> make_method(BroadphaseMethod method) {
+std::unique_ptr<detail::Method> make_method(BroadphaseMethod method, double cell_scale) {
     switch (method) {
         case BroadphaseMethod::SweepAndPrune:
             return detail::make_sweep_and_prune();
         case BroadphaseMethod::SortedAxes:
             return detail::make_sorted_axes();
         case BroadphaseMethod::UniformGrid:
-            return detail::make_uniform_grid();
+            return detail::make_uniform_grid(cell_scale);
         case BroadphaseMethod::HierarchicalGrid:
-            return detail::make_hierarchical_grid();
+            return detail::make_hierarchical_grid(cell_scale);
         case BroadphaseMethod::DynamicTree:
             return detail::make_dynamic_tree();
         default:
@@ -76,7 +76,7 @@ struct Broadphase::Impl {
     void choose();
     void use(BroadphaseMethod wanted) {
         in_use = wanted;
-        method = make_method(wanted);
+        method = make_method(wanted, settings.cell_scale);
         built = false;
     }
 
@@ -297,6 +297,11 @@ Broadphase::Broadphase(const BroadphaseSettings& settings) : impl_(std::make_uni
     if (settings.pair_limit == 0 || settings.pair_limit > kMostPairs) {
         impl_->settings.pair_limit = std::clamp(settings.pair_limit, std::size_t{1}, kMostPairs);
         report_error(ErrorCode::InvalidArgument, "pair_limit must be in 1..2^31");
+    }
+    constexpr double kMostCellScale = 16.0;
+    if (!(settings.cell_scale >= 1.0 / kMostCellScale && settings.cell_scale <= kMostCellScale)) {
+        impl_->settings.cell_scale = settings.cell_scale > 1.0 ? kMostCellScale : (settings.cell_scale < 1.0 ? 1.0 / kMostCellScale : 1.0);
+        report_error(ErrorCode::InvalidArgument, "cell_scale must be in 1/16..16");
     }
     const bool automatic = impl_->settings.method == BroadphaseMethod::Automatic;
     impl_->use(automatic ? BroadphaseMethod::BruteForce : impl_->settings.method);

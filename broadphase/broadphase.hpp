@@ -30,6 +30,8 @@ struct BroadphaseSettings {
     /// No more pairs than this are kept; memory stays in proportion to it. 1 .. 2^31.
     std::size_t pair_limit = std::size_t{1} << 27;
     PairCallback callback{};
+    /// Edges of the grids' cells, in units of those that they would choose: changes times, never pairs. 1/16 .. 16.
+    double cell_scale = 1.0;
 };
 
 /// What changed since the update before. A slot is the caller's stable name of a box; it comes alive when it is first listed as

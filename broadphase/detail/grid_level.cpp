@@ -44,7 +44,7 @@ Spread spread_along(int axis, const ProxyTable& table, std::span<const std::uint
     return {std::max(low, origin + mean - 3.0 * deviation), std::min(high, origin + mean + 3.0 * deviation), edge};
 }
 
-CellMap choose_cells(const ProxyTable& table, std::span<const std::uint32_t> slots, bool hashed) {
+CellMap choose_cells(const ProxyTable& table, std::span<const std::uint32_t> slots, bool hashed, double cell_scale) {
     Spread s[3] = {spread_along(0, table, slots), spread_along(1, table, slots), spread_along(2, table, slots)};
     CellMap map;
     const auto swap_if_narrower = [&](int i, int j) {
@@ -64,7 +64,7 @@ CellMap choose_cells(const ProxyTable& table, std::span<const std::uint32_t> slo
         edge[k] = std::max((k == 0 ? kRunEdges : kRowEdges) * along.edge, 1e-9 * extent[k]);
     }
     const double most = hashed ? 0x1p90 : std::max(static_cast<double>(slots.size()) / kBoxesACell, 1.0);
-    for (double scale = 1.0;; scale *= 1.125) {
+    for (double scale = cell_scale;; scale *= 1.125) {
         for (int k = 0; k < 3; ++k) {
             const double wanted = edge[k] > 0.0 ? std::floor(extent[k] / (scale * edge[k])) : 0.0;
             count[k] = std::min(wanted, CellMap::kMostCoordinate) + 1.0;
@@ -134,10 +134,10 @@ void GridLevel::build(const ProxyTable& table, std::span<const std::uint32_t> sl
     slack_ = slack;
     size_ = slots.size();
     cell_of_.resize(size_);
-    if (size_ != 0) map = choose_cells(table, slots, false);
+    if (size_ != 0) map = choose_cells(table, slots, false, cell_scale);
     if (count_cells(table, slots) > kCrowd) {
         const CellMap crowded = map;
-        map = choose_cells(table, slots, true);
+        map = choose_cells(table, slots, true, cell_scale);
         const double cells_then = crowded.last[0] * crowded.last[1] * crowded.last[2];
         if (map.last[0] * map.last[1] * map.last[2] > 4.0 * cells_then + 64.0) {
             map.mask = 63;

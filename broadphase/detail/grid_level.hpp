@@ -94,6 +94,8 @@ public:
     [[nodiscard]] std::size_t strays() const noexcept { return stray_end - stray_begin; }
     [[nodiscard]] std::size_t memory() const noexcept;
 
+    double cell_scale = 1.0;  ///< of the edges of cells
+
     // Read by the kernels.
     CellMap map;
     Entries entries;                   ///< cell by cell, then the strays

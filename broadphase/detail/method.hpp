@@ -53,8 +53,8 @@ public:
 [[nodiscard]] std::unique_ptr<Method> make_brute_force();
 [[nodiscard]] std::unique_ptr<Method> make_sweep_and_prune();
 [[nodiscard]] std::unique_ptr<Method> make_sorted_axes();
-[[nodiscard]] std::unique_ptr<Method> make_uniform_grid();
-[[nodiscard]] std::unique_ptr<Method> make_hierarchical_grid();
+[[nodiscard]] std::unique_ptr<Method> make_uniform_grid(double cell_scale);
+[[nodiscard]] std::unique_ptr<Method> make_hierarchical_grid(double cell_scale);
 [[nodiscard]] std::unique_ptr<Method> make_dynamic_tree();
 
 }  // namespace carom::detail
