@@ -89,6 +89,10 @@ public:
     /// must be true of every region that holds a box of which it is true; regions may be open, with bounds at infinity.
     /// queries.hpp has the usual shapes. After update; const, so any number of threads may ask at once.
     void visit_where(FunctionRef<bool(const FloatAabb& region)> touches, FunctionRef<bool(std::uint32_t slot)> visit) const;
+    /// The same where only boxes count that the path meets: `touches` implies it. Grids walk along the path, so boxes come roughly in the
+    /// order in which it meets them; `visit` may make path.t_max less, and what lies beyond is then left out.
+    void visit_along(const SweepPath& path, FunctionRef<bool(const FloatAabb& region)> touches,
+                     FunctionRef<bool(std::uint32_t slot)> visit) const;
     /// The box of a live slot, as it was passed in; of any other a box that touches nothing.
     [[nodiscard]] FloatAabb box(std::uint32_t slot) const noexcept;
 

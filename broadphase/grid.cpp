@@ -37,6 +37,12 @@ public:
             if (levels_[k].size() != 0 && !levels_[k].visit_where(table, touches, visit)) return;
         }
     }
+    void visit_along(const ProxyTable& table, const SweepPath& path, FunctionRef<bool(const FloatAabb&)> touches,
+                     FunctionRef<bool(std::uint32_t)> visit) const override {
+        for (std::size_t k = 0; k < level_count_; ++k) {
+            if (levels_[k].size() != 0 && !levels_[k].visit_along(table, path, touches, visit)) return;
+        }
+    }
     [[nodiscard]] std::size_t memory() const noexcept override;
 
 private:

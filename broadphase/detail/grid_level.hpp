@@ -88,6 +88,10 @@ public:
     /// The same for every slot for whose box `touches` is true; it is true of any region around such a box.
     bool visit_where(const ProxyTable& table, FunctionRef<bool(const FloatAabb&)> touches, FunctionRef<bool(std::uint32_t)> visit) const;
 
+    /// The same of boxes that the path may meet (grid_walk.cpp), in about the order in which it does.
+    bool visit_along(const ProxyTable& table, const SweepPath& path, FunctionRef<bool(const FloatAabb&)> touches,
+                     FunctionRef<bool(std::uint32_t)> visit) const;
+
     [[nodiscard]] std::size_t size() const noexcept { return size_; }
     [[nodiscard]] std::size_t cells() const noexcept { return used.size(); }
     [[nodiscard]] std::size_t end() const noexcept { return stray_end; }
@@ -111,6 +115,9 @@ private:
     /// Whole runs of entries, each box asked for.
     bool visit_run(const ProxyTable& table, std::size_t first, std::size_t last, FunctionRef<bool(const FloatAabb&)> touches,
                    FunctionRef<bool(std::uint32_t)> visit) const;
+    /// Calls visit_cells(first, last) with the cells of each layer that the path may have to do with, until it says no.
+    template <class F>
+    bool walk_layers(const SweepPath& path, F visit_cells) const;
     [[nodiscard]] Home home_of(const FloatAabb& box) const noexcept;
     /// Counts the boxes of each cell into `used`. @return the mean number of boxes that share a box's cell.
     double count_cells(const ProxyTable& table, std::span<const std::uint32_t> slots);

@@ -46,6 +46,13 @@ public:
         }
     }
 
+    /// As visit_where, of boxes for which `touches` implies that the path meets them. path.t_max may become less on the way.
+    virtual void visit_along(const ProxyTable& table, const SweepPath& path, FunctionRef<bool(const FloatAabb&)> touches,
+                             FunctionRef<bool(std::uint32_t)> visit) const {
+        static_cast<void>(path);
+        visit_where(table, touches, visit);
+    }
+
     /// [bytes]
     [[nodiscard]] virtual std::size_t memory() const noexcept = 0;
 };

@@ -56,6 +56,8 @@ const char* to_string(Spread spread) noexcept {
             return "line";
         case Spread::Diagonal:
             return "diagonal";
+        case Spread::Ground:
+            return "ground";
         case Spread::Coincident:
             return "coincident";
     }
@@ -70,10 +72,10 @@ BoxCrowd::BoxCrowd(const CrowdSettings& settings) {
     frames_ = 2 * std::clamp(static_cast<int>(kBoxFrames / n), 1, kMostFrames / 2);
     stride_ = static_cast<std::uint32_t>(std::ceil(n * n / kPairsLookedAt));
     for (std::uint32_t i = 0; i < settings.count; ++i) {
-        if (random.unit() >= settings.moving) continue;
+        if (random.unit() >= settings.moving || (settings.spread == Spread::Ground && i == 0)) continue;
         movers_.push_back(i);
     }
-    if (movers_.empty()) movers_.push_back(0);
+    if (movers_.empty()) movers_.push_back(static_cast<std::uint32_t>(settings.count - 1));
     for (std::size_t i = 0; i < movers_.size(); ++i) {
         const double x = random.range(-kStep, kStep), y = random.range(-kStep, kStep), z = random.range(-kStep, kStep);
         velocity_.emplace_back(dvec3{x, y, z});
@@ -116,6 +118,10 @@ void BoxCrowd::place(const CrowdSettings& settings, Random& random) {
                 break;
             case Spread::Diagonal:
                 lower = dvec3{random.range(0.0, static_cast<double>(n) * 1.5 / settings.overlaps)} + in_cube(0.1);
+                break;
+            case Spread::Ground:
+                lower = i == 0 ? dvec3{0.0, -1.0, 0.0} : in_cube(width);
+                if (i == 0) edge = dvec3{width, 1.0, width};
                 break;
             case Spread::Coincident:
                 edge = dvec3{1.0};

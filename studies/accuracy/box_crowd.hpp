@@ -23,6 +23,7 @@ enum class Spread : unsigned char {
     Stacked,     ///< unit boxes in columns of 40 that stand side by side
     Line,        ///< along an axis
     Diagonal,    ///< along the diagonal of the axes
+    Ground,      ///< in a cube, over one box that is as wide
     Coincident,  ///< all the same box
 };
 

@@ -68,7 +68,7 @@ private:
         }
         broadphase_->update({.bounds = fat_, .filters = filters_, .moved = moved_}, executor_);
         // Where all boxes move, the first look at the scene saw what all others will see.
-        const bool all_move = crowd_->movers().size() == filters_.size();
+        const bool all_move = crowd_->movers().size() + 1 >= filters_.size();
         const int frames = knobs_.method == BroadphaseMethod::Automatic && !all_move ? kSettled : 0;
         for (int frame = 0; frame < frames || frame % crowd_->frames() != 0; ++frame) go_to(frame % crowd_->frames());
     }
@@ -223,6 +223,8 @@ std::vector<CrowdSettings> known_conditions() {
             {.spread = Planar, .moving = 0.01},
             {.spread = Planar, .moving = 1.0},
             {.spread = Stacked, .moving = 0.1},
+            {.spread = Ground, .moving = 0.01},
+            {.spread = Ground, .moving = 1.0},
             {.spread = Line, .moving = 0.01},
             {.spread = Line, .moving = 1.0},
             {.spread = Diagonal, .moving = 0.01},
@@ -232,6 +234,7 @@ std::vector<CrowdSettings> known_conditions() {
             {.spread = Even, .moving = 0.01, .size_ratio = 100.0},
             {.spread = Even, .moving = 1.0, .size_ratio = 100.0},
             {.spread = Even, .moving = 0.1, .size_ratio = 1e4},
+            {.spread = Even, .moving = 1.0, .size_ratio = 1e4},
             {.spread = Even, .moving = 0.1, .overlaps = 30.0},
             {.spread = Even, .moving = 0.1, .overlaps = 0.03}};
 }
@@ -249,6 +252,7 @@ std::vector<CrowdSettings> held_out_conditions() {
             {.spread = Planar, .moving = 0.6},
             {.spread = Stacked, .moving = 0.01},
             {.spread = Stacked, .moving = 1.0},
+            {.spread = Ground, .moving = 0.1},
             {.spread = Line, .moving = 0.1},
             {.spread = Diagonal, .moving = 0.3},
             {.spread = Even, .moving = 0.03, .size_ratio = 3.0},
@@ -287,7 +291,7 @@ std::vector<Study> broadphase_studies(const StudyOptions& options) {
     }
     studies.push_back(knob_study("broadphase_all_moving", {.spread = Even, .count = middle, .moving = 1.0}));
     studies.push_back(knob_study("broadphase_sizes", {.spread = Even, .count = middle, .moving = 0.1, .size_ratio = 100.0}));
-    add_map(kKnown, known_conditions(), {100, 1000, 10000, 100000}, studies);
+    add_map(kKnown, known_conditions(), {100, 250, 600, 1000, 10000, 100000}, studies);
     add_map(kKnown, {{.spread = Coincident, .moving = 0.1}}, {100, 1000}, studies);
     add_map(kKnown, {{.spread = Even, .moving = 0.01}, {.spread = Even, .moving = 1.0}}, {1000000}, studies);
     add_map(kHeldOut, held_out_conditions(), {150, 400, 3000, 30000}, studies);
