@@ -121,10 +121,11 @@ void Broadphase::Impl::choose() {
     if (!due && !grown) return;
     updates_since_check = 0;
     count_at_check = table.live_count;
-    const bool few = is_few(table.live_count, in_use);  // then nothing else is looked at
+    const BroadphaseMethod current = first ? BroadphaseMethod::Automatic : in_use;  // nothing to stay with yet
+    const bool few = is_few(table.live_count, current);  // then nothing else is looked at
     const SceneStatistics now = few ? SceneStatistics{.count = table.live_count, .moving_share = moving_share}
                                     : measure(table.boxes, table.alive, moving_share);
-    const MethodChoice best = choose_method(now, in_use);
+    const MethodChoice best = choose_method(now, current);
     // Two checks in a row must agree, but for scenes that have just changed size.
     const bool agreed = grown || wanted_before == best.method;
     wanted_before = best.method;
@@ -378,6 +379,14 @@ void Broadphase::visit_where(FunctionRef<bool(const FloatAabb&)> touches, Functi
 void Broadphase::visit_along(const SweepPath& path, FunctionRef<bool(const FloatAabb&)> touches,
                              FunctionRef<bool(std::uint32_t)> visit) const {
     if (impl_->built) impl_->method->visit_along(impl_->table, path, touches, visit);
+}
+
+void Broadphase::visit_parts(FunctionRef<void(const BroadphasePart&)> visit) const {
+    if (impl_->built) impl_->method->visit_parts(impl_->table, visit);
+}
+
+void Broadphase::visit_ends(FunctionRef<void(const BroadphaseEnd&)> visit) const {
+    if (impl_->built) impl_->method->visit_ends(impl_->table, visit);
 }
 
 FloatAabb Broadphase::box(std::uint32_t slot) const noexcept {

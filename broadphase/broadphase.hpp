@@ -58,6 +58,21 @@ struct PairUpdate {
     std::uint32_t complete_below = 0;  ///< pairs whose `a` is below this are all listed
 };
 
+/// A part of what a method keeps, for pictures: a cell of a grid with boxes in it, or a node of a tree.
+struct BroadphasePart {
+    FloatAabb box{};        ///< of a cell: where the lower corners of its boxes are, but for those beyond the grid, which its outermost cells have
+    int level = 0;          ///< of the grid, ascending with the size of boxes; of a node: steps from the root
+    std::size_t count = 0;  ///< boxes in the cell, or in the node itself: 1 for a leaf, else 0
+};
+
+/// An end of a box on an axis along which a method keeps the ends sorted.
+struct BroadphaseEnd {
+    int axis = 0;  ///< 0, 1, 2
+    float value = 0.0f;
+    bool is_upper = false;
+    std::uint32_t slot = 0;
+};
+
 /// Finds the pairs of boxes that overlap and whose filters agree, and keeps them up to date as the boxes move.
 ///
 /// Planes and other unbounded shapes have no box: keep them in a list of their own and test it apart.
@@ -95,6 +110,13 @@ public:
                      FunctionRef<bool(std::uint32_t slot)> visit) const;
     /// The box of a live slot, as it was passed in; of any other a box that touches nothing.
     [[nodiscard]] FloatAabb box(std::uint32_t slot) const noexcept;
+
+    /// What the method keeps at the moment: the occupied cells of grids, the nodes of the tree, parents first. Nothing with other methods.
+    /// Made on the spot from what is there; nothing is stored for it.
+    void visit_parts(FunctionRef<void(const BroadphasePart& part)> visit) const;
+    /// The sorted ends of the axes along which a method keeps some, axis by axis, ascending: all of sorted_axes, the lower ones along the
+    /// axis that sweep_and_prune swept last.
+    void visit_ends(FunctionRef<void(const BroadphaseEnd& end)> visit) const;
 
     /// The method in use: the one asked for, or the one chosen for the scene as it stands; Automatic before the first update.
     [[nodiscard]] BroadphaseMethod method() const noexcept;

@@ -16,7 +16,7 @@ constexpr double kClumped = 0.5;  // fill below this
 constexpr double kSparseLine = 40.0;
 constexpr double kFewMove = 0.15, kManyMove = 0.25;  // the grids are built anew from the latter on
 constexpr double kLargeSize = 4.0;   // largest over median
-constexpr double kLargeCrowd = 60.0;
+constexpr double kLargeCrowd = 150.0;
 constexpr double kStay = 1.25;       // how far beyond a threshold a scene must be to leave the method it has
 
 double longest_edge(const FloatAabb& box) noexcept {

@@ -43,6 +43,11 @@ public:
             if (levels_[k].size() != 0 && !levels_[k].visit_along(table, path, touches, visit)) return;
         }
     }
+    void visit_parts(const ProxyTable&, FunctionRef<void(const BroadphasePart&)> visit) const override {
+        for (std::size_t k = 0; k < level_count_; ++k) {
+            if (levels_[k].size() != 0) levels_[k].visit_cells(static_cast<int>(k), visit);
+        }
+    }
     [[nodiscard]] std::size_t memory() const noexcept override;
 
 private:

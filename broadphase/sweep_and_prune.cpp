@@ -145,6 +145,9 @@ public:
         }
     }
 
+    void visit_ends(const ProxyTable& table, FunctionRef<void(const BroadphaseEnd&)> visit) const override {
+        for (const std::uint32_t i : order_) visit({axes_[0], table.boxes[slot_of_[i]].lower[axes_[0]], false, slot_of_[i]});
+    }
     [[nodiscard]] std::size_t memory() const noexcept override {
         return entries_.memory() + sizeof(FloatAabb) * bounds_.capacity() +
                sizeof(std::uint64_t) * (keys_.capacity() + sort_keys_.capacity() + next_.capacity() + scratch_.keys.capacity()) +

@@ -10,6 +10,7 @@
 // search reads.
 #pragma once
 
+#include <carom/broadphase/broadphase.hpp>
 #include <carom/broadphase/detail/overlap_kernel.hpp>
 #include <carom/broadphase/detail/proxy_table.hpp>
 #include <carom/core/function_ref.hpp>
@@ -91,6 +92,9 @@ public:
     /// The same of boxes that the path may meet (grid_walk.cpp), in about the order in which it does.
     bool visit_along(const ProxyTable& table, const SweepPath& path, FunctionRef<bool(const FloatAabb&)> touches,
                      FunctionRef<bool(std::uint32_t)> visit) const;
+
+    /// The occupied cells; the strays, if there are any, as one part that goes round all of them.
+    void visit_cells(int level, FunctionRef<void(const BroadphasePart&)> visit) const;
 
     [[nodiscard]] std::size_t size() const noexcept { return size_; }
     [[nodiscard]] std::size_t cells() const noexcept { return used.size(); }

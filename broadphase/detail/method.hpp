@@ -4,6 +4,7 @@
 //   method.find_moved(table, changes, executor, pieces);            // or only what the changes may have begun
 #pragma once
 
+#include <carom/broadphase/broadphase.hpp>
 #include <carom/broadphase/detail/pair_pieces.hpp>
 #include <carom/broadphase/detail/proxy_table.hpp>
 #include <carom/broadphase/method.hpp>
@@ -51,6 +52,16 @@ public:
                              FunctionRef<bool(std::uint32_t)> visit) const {
         static_cast<void>(path);
         visit_where(table, touches, visit);
+    }
+
+    /// For pictures; most methods have neither parts nor ends.
+    virtual void visit_parts(const ProxyTable& table, FunctionRef<void(const BroadphasePart&)> visit) const {
+        static_cast<void>(table);
+        static_cast<void>(visit);
+    }
+    virtual void visit_ends(const ProxyTable& table, FunctionRef<void(const BroadphaseEnd&)> visit) const {
+        static_cast<void>(table);
+        static_cast<void>(visit);
     }
 
     /// [bytes]

@@ -80,10 +80,10 @@ TEST(Chooser, EveryThresholdIsWhereThePageSays) {
     EXPECT_EQ(with([](SceneStatistics& s) { s.fill = 0.51, s.moving_share = 0.26; }, UniformGrid), UniformGrid);
     EXPECT_EQ(with([](SceneStatistics& s) { s.fill = 0.49, s.moving_share = 0.24; }, UniformGrid), UniformGrid);
     EXPECT_EQ(with([](SceneStatistics& s) { s.fill = 0.6, s.moving_share = 0.21; }, SweepAndPrune), SweepAndPrune);
-    EXPECT_EQ(with([](SceneStatistics& s) { s.largest_size = 4.1, s.largest_crowd = 61.0; }, UniformGrid), HierarchicalGrid);
-    EXPECT_EQ(with([](SceneStatistics& s) { s.largest_size = 4.1, s.largest_crowd = 59.0; }, UniformGrid), UniformGrid);
-    EXPECT_EQ(with([](SceneStatistics& s) { s.largest_size = 3.9, s.largest_crowd = 61.0; }, UniformGrid), UniformGrid);
-    EXPECT_EQ(with([](SceneStatistics& s) { s.largest_size = 4.1, s.largest_crowd = 49.0; }, HierarchicalGrid), HierarchicalGrid);
+    EXPECT_EQ(with([](SceneStatistics& s) { s.largest_size = 4.1, s.largest_crowd = 151.0; }, UniformGrid), HierarchicalGrid);
+    EXPECT_EQ(with([](SceneStatistics& s) { s.largest_size = 4.1, s.largest_crowd = 149.0; }, UniformGrid), UniformGrid);
+    EXPECT_EQ(with([](SceneStatistics& s) { s.largest_size = 3.9, s.largest_crowd = 151.0; }, UniformGrid), UniformGrid);
+    EXPECT_EQ(with([](SceneStatistics& s) { s.largest_size = 4.1, s.largest_crowd = 121.0; }, HierarchicalGrid), HierarchicalGrid);
 }
 
 TEST(Chooser, TakesTheMethodOfTheScene) {
@@ -107,7 +107,7 @@ TEST(Chooser, StaysWithWhatItHasNearAThreshold) {
     EXPECT_EQ(choose_method(scene, BroadphaseMethod::UniformGrid).method, BroadphaseMethod::UniformGrid);
     scene.count = 5000;
     scene.largest_size = 9.0 * scene.median_size;
-    scene.largest_crowd = 55.0;
+    scene.largest_crowd = 130.0;
     EXPECT_EQ(choose_method(scene, BroadphaseMethod::HierarchicalGrid).method, BroadphaseMethod::HierarchicalGrid);
     EXPECT_EQ(choose_method(scene, BroadphaseMethod::UniformGrid).method, BroadphaseMethod::UniformGrid);
 }
