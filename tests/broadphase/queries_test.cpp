@@ -179,7 +179,7 @@ TEST_P(Queries, RaysAlongBordersFromAfarAndThroughLongBoxes) {
             ASSERT_NO_FATAL_FAILURE(check(at, dvec3{sign, -1.0, 1.0}, 0.0));
             ASSERT_NO_FATAL_FAILURE(check(at, dvec3{sign, -1.0, 1.0}, 30.0));
         }
-        EXPECT_GT(hits, 1000u);
+        EXPECT_GT(hits, 500u);
         // Directions so long or short that products pass the range of double.
         std::size_t none = 0;
         query_ray(broadphase, dvec3{0.0}, dvec3{1e200, 1e200, -1e200}, 1e200, [&](std::uint32_t) { return ++none, true; });
