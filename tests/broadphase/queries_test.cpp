@@ -188,6 +188,28 @@ TEST_P(Queries, RaysAlongBordersFromAfarAndThroughLongBoxes) {
     }
 }
 
+// A walk starts where the ray does, whichever way it goes, and ends soon after the nearest box.
+TEST(RayWalk, AsksForBoxesNearTheFirstHitOnly) {
+    SerialExecutor executor;
+    Random random(23);
+    std::vector<FloatAabb> boxes;
+    for (int i = 0; i < 4000; ++i) boxes.push_back(test::box_about({random.range(0, 400), random.range(0, 4), random.range(0, 4)}, dvec3{0.5}));
+    const std::vector<ProxyFilter> filters(boxes.size());
+    std::vector<std::uint32_t> slots(boxes.size());
+    std::iota(slots.begin(), slots.end(), 0u);
+    for (const BroadphaseMethod method : {BroadphaseMethod::UniformGrid, BroadphaseMethod::HierarchicalGrid}) {
+        Broadphase broadphase({.method = method});
+        broadphase.update({boxes, filters, slots, {}}, executor);
+        for (const double sign : {1.0, -1.0}) {
+            int asked = 0;
+            const auto accept = [&](std::uint32_t) { return ++asked, true; };
+            const dvec3 origin{sign > 0.0 ? -10.0 : 410.0, 2.0, 2.0};
+            EXPECT_TRUE(closest_on_ray(broadphase, origin, {sign, 0.0, 0.0}, 1e3, accept).has_value());
+            EXPECT_LT(asked, 10) << to_string(method) << ", " << sign;
+        }
+    }
+}
+
 TEST_P(Queries, StopWhenToldAndRefuseBadInput) {
     SerialExecutor executor;
     test::Crowd crowd(test::Distribution::Uniform, 300, 5, false);
