@@ -122,9 +122,9 @@ void Broadphase::Impl::choose() {
     updates_since_check = 0;
     count_at_check = table.live_count;
     const BroadphaseMethod current = first ? BroadphaseMethod::Automatic : in_use;  // nothing to stay with yet
-    const bool few = is_few(table.live_count, current);  // then nothing else is looked at
-    const SceneStatistics now = few ? SceneStatistics{.count = table.live_count, .moving_share = moving_share}
-                                    : measure(table.boxes, table.alive, moving_share);
+    const bool few = is_few(table.live_count, current);                             // then nothing else is looked at
+    const SceneStatistics now =
+        few ? SceneStatistics{.count = table.live_count, .moving_share = moving_share} : measure(table.boxes, table.alive, moving_share);
     const MethodChoice best = choose_method(now, current);
     // Two checks in a row must agree, but for scenes that have just changed size.
     const bool agreed = grown || wanted_before == best.method;
@@ -393,9 +393,7 @@ FloatAabb Broadphase::box(std::uint32_t slot) const noexcept {
     return slot < impl_->table.boxes.size() ? impl_->table.boxes[slot] : kNowhere;
 }
 
-BroadphaseMethod Broadphase::method() const noexcept {
-    return impl_->is_undecided() ? BroadphaseMethod::Automatic : impl_->in_use;
-}
+BroadphaseMethod Broadphase::method() const noexcept { return impl_->is_undecided() ? BroadphaseMethod::Automatic : impl_->in_use; }
 std::size_t Broadphase::live_count() const noexcept { return impl_->table.live_count; }
 
 std::size_t Broadphase::memory() const noexcept {

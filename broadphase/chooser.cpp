@@ -5,6 +5,7 @@
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <utility>
 
 namespace carom {
 namespace {
@@ -15,9 +16,9 @@ constexpr std::size_t kFewBoxes = 500;
 constexpr double kClumped = 0.5;  // fill below this
 constexpr double kSparseLine = 40.0;
 constexpr double kFewMove = 0.15, kManyMove = 0.25;  // the grids are built anew from the latter on
-constexpr double kLargeSize = 4.0;   // largest over median
+constexpr double kLargeSize = 4.0;                   // largest over median
 constexpr double kLargeCrowd = 150.0;
-constexpr double kStay = 1.25;       // how far beyond a threshold a scene must be to leave the method it has
+constexpr double kStay = 1.25;  // how far beyond a threshold a scene must be to leave the method it has
 
 double longest_edge(const FloatAabb& box) noexcept {
     const dvec3 edges = dvec3(box.upper) - dvec3(box.lower);
@@ -41,11 +42,27 @@ Sample draw(std::span<const unsigned char> alive, std::size_t live) noexcept {
     return sample;
 }
 
-// The value that a share of the values is below.
+// The value that a share of the values is below (Hoare 1961, "Find"). What it is does not depend on how it is found.
 double quantile(std::span<float> values, double share) noexcept {
-    const auto k = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), values.begin() + k, values.end());
-    return double(values[static_cast<std::size_t>(k)]);
+    const auto wanted = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    std::ptrdiff_t first = 0, last = static_cast<std::ptrdiff_t>(values.size()) - 1;
+    const auto at = [&](std::ptrdiff_t i) -> float& { return values[static_cast<std::size_t>(i)]; };
+    while (first < last) {
+        const float pivot = at(first + (last - first) / 2);
+        std::ptrdiff_t i = first, j = last;
+        while (i <= j) {
+            while (at(i) < pivot) ++i;
+            while (pivot < at(j)) --j;
+            if (i <= j) std::swap(at(i++), at(j--));
+        }
+        if (wanted <= j)
+            last = j;
+        else if (wanted >= i)
+            first = i;
+        else
+            break;
+    }
+    return double(at(wanted));
 }
 
 // Where most lower corners lie on an axis. Quantiles, not moments: one box far away says nothing about the others.
@@ -139,8 +156,7 @@ MethodChoice choose_method(const SceneStatistics& s, BroadphaseMethod current) n
     if (s.moving_share > lower(SweepAndPrune, kManyMove) && s.fill < upper(SweepAndPrune, kClumped) && s.spread_axes > 0) {
         return {SweepAndPrune, "many boxes move, and they are clumped: sorting anew costs least"};
     }
-    if (s.largest_size > lower(HierarchicalGrid, kLargeSize) * s.median_size &&
-        s.largest_crowd > lower(HierarchicalGrid, kLargeCrowd)) {
+    if (s.largest_size > lower(HierarchicalGrid, kLargeSize) * s.median_size && s.largest_crowd > lower(HierarchicalGrid, kLargeCrowd)) {
         return {HierarchicalGrid, "cells as large as the largest box would be crowded: a grid for each size class"};
     }
     return {UniformGrid, "cells as large as the largest box hold few: one grid"};
@@ -152,7 +168,8 @@ std::string describe(const MethodChoice& choice, const SceneStatistics& s) {
         std::snprintf(numbers, sizeof numbers, "%s (%zu boxes)", choice.reason, s.count);
         return numbers;
     }
-    std::snprintf(numbers, sizeof numbers, "%s (%zu boxes, largest %.3g times the median size, %.3g in its reach, %.3g side by side, fill %.2f, %.0f %% moving)",
+    std::snprintf(numbers, sizeof numbers,
+                  "%s (%zu boxes, largest %.3g times the median size, %.3g in its reach, %.3g side by side, fill %.2f, %.0f %% moving)",
                   choice.reason, s.count, s.median_size > 0.0 ? s.largest_size / s.median_size : 1.0, s.largest_crowd, s.line_density,
                   s.fill, 100.0 * s.moving_share);
     return numbers;

@@ -49,7 +49,8 @@ Span clip(const SweepPath& path, const FloatAabb& box) noexcept {
 bool is_hit(const Span& span) noexcept { return span.first <= span.last + 0x1p-48 * (span.first + span.last); }
 
 void sweep(const Broadphase& broadphase, const SweepPath& path, SlotVisitor visit) {
-    broadphase.visit_along(path, [&](const FloatAabb& box) { return is_hit(clip(path, box)); }, visit);
+    broadphase.visit_along(
+        path, [&](const FloatAabb& box) { return is_hit(clip(path, box)); }, visit);
 }
 
 }  // namespace
@@ -102,8 +103,7 @@ void query_ray(const Broadphase& broadphase, const dvec3& origin, const dvec3& d
 void query_swept_box(const Broadphase& broadphase, const dvec3& lower, const dvec3& upper, const dvec3& motion, SlotVisitor visit) {
     CAROM_REQUIRE(are_finite(lower, upper) && is_finite(motion), ErrorCode::NotFinite, "a moving box must be finite");
     CAROM_REQUIRE(is_ordered(lower, upper), ErrorCode::InvalidArgument, "a moving box has lower > upper");
-    sweep(broadphase,
-          {.origin = 0.5 * lower + 0.5 * upper, .direction = motion, .t_max = 1.0, .grow = 0.5 * upper - 0.5 * lower}, visit);
+    sweep(broadphase, {.origin = 0.5 * lower + 0.5 * upper, .direction = motion, .t_max = 1.0, .grow = 0.5 * upper - 0.5 * lower}, visit);
 }
 
 std::optional<BoxHit> closest_on_ray(const Broadphase& broadphase, const dvec3& origin, const dvec3& direction, double t_max,

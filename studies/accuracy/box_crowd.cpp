@@ -111,7 +111,8 @@ void BoxCrowd::place(const CrowdSettings& settings, Random& random) {
             case Spread::Stacked:
                 edge = dvec3{1.0};
                 lower = dvec3{1.02 * static_cast<double>(i / kColumn % columns), 1.02 * static_cast<double>(i / kColumn / columns),
-                              0.999 * static_cast<double>(i % kColumn)} + in_cube(0.005);
+                              0.999 * static_cast<double>(i % kColumn)} +
+                        in_cube(0.005);
                 break;
             case Spread::Line:
                 lower = dvec3{random.range(0.0, width), random.range(0.0, 0.1), 0.0};

@@ -19,7 +19,7 @@ namespace {
 constexpr const char* kStage = "broadphase";
 constexpr const char* kError = "share of the reported pairs whose boxes, without margin, do not overlap; missed pairs are failures";
 constexpr const char* kTime = "an update, for each box, of the processor";
-constexpr int kSettled = 100;  // updates after which the chooser has looked at the scene three times
+constexpr int kSettled = 100;               // updates after which the chooser has looked at the scene three times
 constexpr std::size_t kTimedBoxes = 20000;  // a pass goes round until it has timed so many
 
 struct Knobs {

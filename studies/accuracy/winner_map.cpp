@@ -69,8 +69,10 @@ std::string table_of(std::span<const WinnerCell> cells, const std::string& title
     fmt::memory_buffer text;
     const auto out = std::back_inserter(text);
     const ChooserScore score = score_of(cells);
-    fmt::format_to(out, "{}: the fastest method, its time for each box in an update, and, where it is another, what the chooser took;\n"
-                   "the ratio is the chooser's time to the best one's\n", title);
+    fmt::format_to(out,
+                   "{}: the fastest method, its time for each box in an update, and, where it is another, what the chooser took;\n"
+                   "the ratio is the chooser's time to the best one's\n",
+                   title);
     fmt::format_to(out, "  {:<24} {:>8}  {:<18} {:>10} {:>7}  {}\n", "condition", "boxes", "fastest", "time [ns]", "ratio", "chosen");
     for (const WinnerCell& cell : cells) {
         fmt::format_to(out, "  {:<24} {:>8}  {:<18} {:>10.3g} {:>7.2f}  {}\n", cell.condition, cell.count, cell.best, 1e9 * cell.best_time,
@@ -128,15 +130,20 @@ std::string map_script(std::span<const WinnerCell> cells, const std::string& tit
     for (const BroadphaseMethod method : kBroadphaseMethods) {
         const std::string name = to_string(method);
         const auto colour = static_cast<int>(method);
-        if (block("best_" + name, [&](const WinnerCell& cell) { return cell.best == name; }, nothing)) {
-            plots += fmt::format("$best_{} using 1:2:(0.48):(0.46) with boxxyerror lc {} title {}, ", name, colour, quoted_for_gnuplot(name));
+        if (block(
+                "best_" + name, [&](const WinnerCell& cell) { return cell.best == name; }, nothing)) {
+            plots +=
+                fmt::format("$best_{} using 1:2:(0.48):(0.46) with boxxyerror lc {} title {}, ", name, colour, quoted_for_gnuplot(name));
         }
-        if (block("chosen_" + name, [&](const WinnerCell& cell) { return cell.chosen == name && cell.best != name; }, nothing)) {
+        if (block(
+                "chosen_" + name, [&](const WinnerCell& cell) { return cell.chosen == name && cell.best != name; }, nothing)) {
             dots += fmt::format("$chosen_{} using ($1-0.38):2 with points pt 7 ps 1.4 lc {} notitle, ", name, colour);
         }
     }
     const auto label = [](const WinnerCell& cell) { return fmt::format("\"{:.3g} ns  x{:.2f}\"", 1e9 * cell.best_time, cell.ratio); };
-    if (block("times", [](const WinnerCell&) { return true; }, label)) plots += dots + "$times using 1:2:3 with labels notitle, ";
+    if (block(
+            "times", [](const WinnerCell&) { return true; }, label))
+        plots += dots + "$times using 1:2:3 with labels notitle, ";
     fmt::format_to(out, "plot {}1/0 notitle\n", plots);
     return fmt::to_string(text);
 }

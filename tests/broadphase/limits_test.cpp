@@ -131,9 +131,8 @@ TEST(WorstCases, AMillionBoxesInOneCellAreFoundInLinearMemory) {
     const PairUpdate& found = broadphase.update({boxes, filters, all_slots(n), {}}, executor);
     EXPECT_EQ(found.pairs.size(), 2 * kRow * (kRow - 1) + 2 * (kRow - 1) * (kRow - 1));
     EXPECT_LT(broadphase.memory(), 400 * n);
-    EXPECT_TRUE(std::all_of(found.pairs.begin(), found.pairs.end(), [&](const ProxyPair& pair) {
-        return pair.a < pair.b && overlaps(boxes[pair.a], boxes[pair.b]);
-    }));
+    EXPECT_TRUE(std::all_of(found.pairs.begin(), found.pairs.end(),
+                            [&](const ProxyPair& pair) { return pair.a < pair.b && overlaps(boxes[pair.a], boxes[pair.b]); }));
     EXPECT_TRUE(std::is_sorted(found.pairs.begin(), found.pairs.end()));
 }
 

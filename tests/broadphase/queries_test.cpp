@@ -149,8 +149,8 @@ TEST_P(Queries, RaysAlongBordersFromAfarAndThroughLongBoxes) {
         broadphase.update({boxes, filters, slots, {}}, executor);
         std::size_t hits = 0;
         const auto check = [&](const dvec3& origin, const dvec3& direction, double t_max) {
-            SCOPED_TRACE(testing::Message() << origin.x << ' ' << origin.y << ' ' << origin.z << " + t (" << direction.x << ' ' << direction.y
-                                            << ' ' << direction.z << "), t <= " << t_max);
+            SCOPED_TRACE(testing::Message() << origin.x << ' ' << origin.y << ' ' << origin.z << " + t (" << direction.x << ' '
+                                            << direction.y << ' ' << direction.z << "), t <= " << t_max);
             Slots want;
             std::optional<BoxHit> first;
             for (std::uint32_t i = 0; i < boxes.size(); ++i) {
@@ -193,7 +193,8 @@ TEST(RayWalk, AsksForBoxesNearTheFirstHitOnly) {
     SerialExecutor executor;
     Random random(23);
     std::vector<FloatAabb> boxes;
-    for (int i = 0; i < 4000; ++i) boxes.push_back(test::box_about({random.range(0, 400), random.range(0, 4), random.range(0, 4)}, dvec3{0.5}));
+    for (int i = 0; i < 4000; ++i)
+        boxes.push_back(test::box_about({random.range(0, 400), random.range(0, 4), random.range(0, 4)}, dvec3{0.5}));
     const std::vector<ProxyFilter> filters(boxes.size());
     std::vector<std::uint32_t> slots(boxes.size());
     std::iota(slots.begin(), slots.end(), 0u);

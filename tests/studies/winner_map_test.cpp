@@ -11,17 +11,17 @@
 namespace carom::accuracy {
 namespace {
 
-constexpr Spread kSpreads[] = {Spread::Even,    Spread::Clustered, Spread::Planar,    Spread::Stacked,
-                               Spread::Line,    Spread::Diagonal,  Spread::Coincident};
+constexpr Spread kSpreads[] = {Spread::Even, Spread::Clustered, Spread::Planar,    Spread::Stacked,
+                               Spread::Line, Spread::Diagonal,  Spread::Coincident};
 
 TEST(BoxPairs, AreThoseThatShareAPoint) {
     const FloatAabb unit{vec3{0.0f}, vec3{1.0f}};
     const std::vector<FloatAabb> boxes{unit,
-                                       {vec3{1.0f}, vec3{2.0f}},                                      // shares a corner
-                                       {vec3{1.0f, 0.0f, 1.5f}, vec3{2.0f, 1.0f, 2.0f}},              // apart along z alone
-                                       {vec3{-1.0f, 0.5f, 0.5f}, vec3{-0.0f, 0.6f, 0.6f}},            // touches a face
-                                       {vec3{0.5f}, vec3{0.5f}},                                      // a point inside
-                                       {vec3{0.0f, -3.0f, 0.0f}, vec3{1.0f, -1e-30f, 1.0f}}};         // apart by next to nothing
+                                       {vec3{1.0f}, vec3{2.0f}},                               // shares a corner
+                                       {vec3{1.0f, 0.0f, 1.5f}, vec3{2.0f, 1.0f, 2.0f}},       // apart along z alone
+                                       {vec3{-1.0f, 0.5f, 0.5f}, vec3{-0.0f, 0.6f, 0.6f}},     // touches a face
+                                       {vec3{0.5f}, vec3{0.5f}},                               // a point inside
+                                       {vec3{0.0f, -3.0f, 0.0f}, vec3{1.0f, -1e-30f, 1.0f}}};  // apart by next to nothing
     EXPECT_EQ(oracle::pairs_of_row(boxes, 0), (std::vector<ProxyPair>{{0, 1}, {0, 3}, {0, 4}}));
     EXPECT_EQ(oracle::pairs_of_row(boxes, 1), (std::vector<ProxyPair>{{1, 2}}));
     EXPECT_TRUE(oracle::pairs_of_row(boxes, 5).empty());
@@ -81,7 +81,8 @@ StudyResult result(const std::string& map, const std::string& condition, double 
 }
 
 std::vector<StudyResult> example() {
-    return {result(kHeldOut, "even_1", 100.0, {point("brute_force", 2e-8), point("uniform_grid", 4e-8), point("automatic", 3e-8, 0.0, "uniform_grid")}),
+    return {result(kHeldOut, "even_1", 100.0,
+                   {point("brute_force", 2e-8), point("uniform_grid", 4e-8), point("automatic", 3e-8, 0.0, "uniform_grid")}),
             result(kHeldOut, "even_1", 1000.0, {point("uniform_grid", 4e-8), point("automatic", 4e-8, 0.0, "uniform_grid")}),
             result(kHeldOut, "line_1", 100.0, {point("sorted_axes", 5e-8), point("automatic", 5.5e-8, 0.0, "sorted_axes")}),
             result(kHeldOut, "line_1", 1000.0, {point("sorted_axes", 1e-9, std::nullopt), point("automatic", 1e-8)}),
