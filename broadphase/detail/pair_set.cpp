@@ -80,7 +80,7 @@ void PairSet::replace(const PairPieces& found, std::size_t slots, Executor& exec
     previous_count_ = std::exchange(count_, total);
     grow(pairs_, total);
     grow(unsorted_, total);
-    grow(row_values_, total + kRowPadding);
+    grow(row_values_, total + (buckets + 1) * kRowPadding);  // what one thread reads ahead, no other may write
     for (std::size_t k = 0; k < found.count(); ++k) {
         const PairBuffer& piece = found[k];
         for (std::size_t i = 0; i < piece.size(); ++i) {
@@ -93,19 +93,21 @@ void PairSet::replace(const PairPieces& found, std::size_t slots, Executor& exec
     executor.parallel_for(buckets, 8, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             const std::span<const ProxyPair> bucket(unsorted_.data() + bucket_[k], bucket_[k + 1] - bucket_[k]);
-            sort_bucket(bucket, static_cast<std::uint32_t>(k << shift), bucket_[k], {row_ends_.data() + k * rows, rows});
+            sort_bucket(bucket, static_cast<std::uint32_t>(k << shift), bucket_[k], {row_ends_.data() + k * rows, rows},
+                        row_values_.data() + k * kRowPadding);
         }
     });
     compare_with_before();
 }
 
-void PairSet::sort_bucket(std::span<const ProxyPair> bucket, std::uint32_t first_row, std::uint32_t start, std::span<std::uint32_t> ends) {
+void PairSet::sort_bucket(std::span<const ProxyPair> bucket, std::uint32_t first_row, std::uint32_t start, std::span<std::uint32_t> ends,
+                          std::uint32_t* values) {
     std::fill(ends.begin(), ends.end(), 0u);
     for (const ProxyPair& pair : bucket) ++ends[pair.a - first_row];
     std::uint32_t at = start;
     for (std::uint32_t& end : ends) at += std::exchange(end, at);
-    for (const ProxyPair& pair : bucket) row_values_[ends[pair.a - first_row]++] = pair.b;
-    sort_rows(row_values_.data(), start, first_row, ends, pairs_.data());
+    for (const ProxyPair& pair : bucket) values[ends[pair.a - first_row]++] = pair.b;
+    sort_rows(values, start, first_row, ends, pairs_.data());
 }
 
 void PairSet::replace(std::span<const ProxyPair> sorted) {

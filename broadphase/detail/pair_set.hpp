@@ -67,7 +67,8 @@ public:
     [[nodiscard]] std::size_t memory() const noexcept;
 
 private:
-    void sort_bucket(std::span<const ProxyPair> bucket, std::uint32_t first_row, std::uint32_t start, std::span<std::uint32_t> ends);
+    void sort_bucket(std::span<const ProxyPair> bucket, std::uint32_t first_row, std::uint32_t start, std::span<std::uint32_t> ends,
+                     std::uint32_t* values);
     void compare_with_before();
     void list_ended(const SlotBits& changed, const Keep& keep);
     void sort_candidates(const PairPieces& found);
