@@ -3,6 +3,7 @@
 //   peers step pile_boxes/4000 --json out.json
 //   peers rays bumpy1m
 #include <carom/bench/broadphase_group.hpp>
+#include <carom/bench/narrowphase_group.hpp>
 #include <carom/bench/rays_group.hpp>
 #include <carom/bench/step_group.hpp>
 
@@ -31,6 +32,7 @@ struct Group {
 constexpr Group kGroups[] = {
     {"step", "whole steps against Bullet and ODE", run_step_group},
     {"rays", "single rays against Embree", run_rays_group},
+    {"narrowphase", "mesh against mesh against FCL", run_narrowphase_group},
     {"broadphase", "pairs of moving boxes against Bullet, FCL and CGAL", run_broadphase_group},
 };
 

@@ -1,12 +1,11 @@
 #include <carom/bench/rays_group.hpp>
 
-#include <carom/bench/embree_scene.hpp>
-
 #include <carom/collision/mesh_rays.hpp>
 #include <carom/collision/ray_cast.hpp>
 #include <carom/collision/triangle_mesh.hpp>
 #include <carom/core/random.hpp>
 #include <carom/scenes/bumpy.hpp>
+#include <carom/studies/peers/embree_scene.hpp>
 
 #include <fmt/format.h>
 
@@ -22,6 +21,7 @@ namespace carom::bench {
 namespace {
 
 using FloatRay = geo::Ray<float>;
+using peers::EmbreeHit, peers::EmbreeScene, peers::EmbreeSettings;
 
 constexpr std::size_t kTurn = 50'000;  // rays that a contender casts before the next one does
 constexpr int kPasses = 5;

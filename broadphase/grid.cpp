@@ -54,7 +54,7 @@ private:
     struct Piece {
         std::size_t level, first, last;
     };
-    void build(const ProxyTable& table, Slack slack);
+    void build(const ProxyTable& table, Slack slack, Executor& executor);
     [[nodiscard]] std::size_t level_of(const FloatAabb& box) const noexcept;
     void take_over(const ProxyTable& table, const ChangeLists& changes);
     void list_movers(const ProxyTable& table, const ChangeLists& changes);
@@ -86,7 +86,7 @@ std::size_t Grid::level_of(const FloatAabb& box) const noexcept {
     return static_cast<std::size_t>(std::clamp(level, 0, static_cast<int>(kMostLevels) - 1));
 }
 
-void Grid::build(const ProxyTable& table, Slack slack) {
+void Grid::build(const ProxyTable& table, Slack slack, Executor& executor) {
     const std::size_t n = table.boxes.size();
     place_.resize(n);
     level_.resize(n);
@@ -107,12 +107,12 @@ void Grid::build(const ProxyTable& table, Slack slack) {
         level_[slot] = static_cast<unsigned char>(level_of(table.boxes[slot]));
         slots_[level_[slot]].push_back(static_cast<std::uint32_t>(slot));
     }
-    for (std::size_t k = 0; k < level_count_; ++k) levels_[k].build(table, slots_[k], slack, place_);
+    for (std::size_t k = 0; k < level_count_; ++k) levels_[k].build(table, slots_[k], slack, place_, executor);
     debt_ = 0;
 }
 
 void Grid::find_all(const ProxyTable& table, Executor& executor, PairPieces& out) {
-    build(table, Slack::None);
+    build(table, Slack::None, executor);
     pieces_.clear();
     for (std::size_t k = 0; k < level_count_; ++k) {
         const std::size_t cells = levels_[k].size() != 0 ? levels_[k].cells() : 0;
@@ -186,7 +186,7 @@ void Grid::list_movers(const ProxyTable& table, const ChangeLists& changes) {
 void Grid::find_moved(const ProxyTable& table, const ChangeLists& changes, Executor& executor, PairPieces& out) {
     constexpr std::size_t kWorthBuilding = 4;  // times the boxes
     if (!levels_[0].has_slack() || debt_ > kWorthBuilding * table.live_count) {
-        build(table, Slack::Some);
+        build(table, Slack::Some, executor);
     } else {
         take_over(table, changes);
     }

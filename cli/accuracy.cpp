@@ -2,6 +2,7 @@
 #include <carom/cli/build_info.hpp>
 #include <carom/cli/command.hpp>
 #include <carom/cli/progress.hpp>
+#include <carom/cli/study_peers.hpp>
 
 #include <carom/core/output_file.hpp>
 #include <carom/core/simd_width.hpp>
@@ -79,7 +80,7 @@ Status write_folder(const std::vector<accuracy::StudyResult>& results, const acc
 }
 
 std::vector<accuracy::StudyResult> measure_all(const accuracy::StudyGroup& group, const AccuracyOptions& options) {
-    std::vector<accuracy::Study> studies = group.make({.quick = options.quick});
+    std::vector<accuracy::Study> studies = group.make({.quick = options.quick, .ray_peers = study_ray_peers()});
     const int rounds = 1 + (options.quick ? kQuickRepeats : kRepeats);
     Progress progress(rounds * static_cast<int>(studies.size()));
     std::vector<accuracy::StudyResult> results;

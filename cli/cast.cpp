@@ -1,4 +1,4 @@
-// carom cast MESH|SCENE: how fast rays are, whether any slips through, and a picture of what they see.
+// carom cast MESH|SCENE|FILE: how fast rays are, whether any slips through, and a picture of what they see.
 #include <carom/cli/build_info.hpp>
 #include <carom/cli/cast_rays.hpp>
 #include <carom/cli/cast_target.hpp>
@@ -166,7 +166,7 @@ ExitCode run(const CastOptions& options) {
 void add_cast_command(CLI::App& app, Action& action) {
     auto options = std::make_shared<CastOptions>();
     CLI::App* command = app.add_subcommand("cast", "Casts rays at a mesh or a scene: speed, hits, leaks, and a picture.");
-    command->add_option("TARGET", options->target, "a mesh, a scene (see carom list) or a scene file (.json)")->required();
+    command->add_option("TARGET", options->target, "a mesh, a mesh file (.obj .off .ply .stl .gltf .glb), a scene (see carom list) or a scene file (.json)")->required();
     command->add_option("--rays", options->settings.rays, "how many")->check(whole_number(1, kMostRays));
     command->add_option("--seed", options->settings.seed, "seed of the rays")
         ->check(whole_number(0, std::numeric_limits<std::uint64_t>::max()));

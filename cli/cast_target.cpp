@@ -2,6 +2,7 @@
 
 #include <carom/cli/scene_arguments.hpp>
 
+#include <carom/collision/import/read_mesh.hpp>
 #include <carom/scenes/meshes.hpp>
 #include <carom/studies/accuracy/study.hpp>
 #include <carom/viz/layer.hpp>
@@ -32,9 +33,9 @@ bool is_closed(const MeshData& data) {
     return forward == backward && std::ranges::adjacent_find(forward) == forward.end();
 }
 
-Result<CastTarget> mesh_target(const std::string& name, Executor& executor) {
-    Result<MeshData> data = scenes::make_mesh(name);
+Result<CastTarget> mesh_target(const std::string& name, Result<MeshData> data, Executor& executor) {
     if (!data) return data.error();
+    if (data->triangles.empty()) return Error{ErrorCode::Empty, "has no triangle with three different corners", name};
     const accuracy::Stopwatch watch;
     Result<StaticBvh> bvh = StaticBvh::build(data->vertices, data->triangles, executor);
     const double build_s = watch.seconds();
@@ -74,7 +75,11 @@ DebugFrame frame_of(const MeshTarget& mesh, const Aabb& bounds) {
 
 Result<CastTarget> load_target(const std::string& name, Executor& executor) {
     const auto named = [&](const auto& info) { return info.name == name; };
-    if (std::ranges::any_of(scenes::mesh_catalogue(), named)) return mesh_target(name, executor);
+    if (std::ranges::any_of(scenes::mesh_catalogue(), named)) return mesh_target(name, scenes::make_mesh(name), executor);
+    if (mesh_format(name)) {
+        const Result<MeshData> data = read_mesh(name);
+        return mesh_target(name, data ? Result<MeshData>(weld(*data)) : data, executor);
+    }
     if (is_path(name) || std::ranges::any_of(scenes::catalogue(), named)) return scene_target(name, executor);
     std::string meshes, scene_names;
     for (const scenes::MeshInfo& info : scenes::mesh_catalogue()) {
@@ -84,8 +89,9 @@ Result<CastTarget> load_target(const std::string& name, Executor& executor) {
         scene_names += (scene_names.empty() ? "" : ", ") + info.name;
     }
     return Error{ErrorCode::UnknownName,
-                 fmt::format("no mesh or scene is called \"{}\"; there are the meshes {}, and the scenes {}", name, meshes,
-                             scene_names),
+                 fmt::format("no mesh or scene is called \"{}\"; there are the meshes {}, the scenes {}, and files that end in .obj, "
+                             ".off, .ply, .stl, .gltf, .glb or .json",
+                             name, meshes, scene_names),
                  "MESH|SCENE"};
 }
 

@@ -1,4 +1,4 @@
-// What `carom cast` casts rays at: a named mesh, or a scene as it stands before its first step.
+// What `carom cast` casts rays at: a mesh by name or from a file, or a scene as it stands before its first step.
 //
 //   Result<CastTarget> target = load_target("bumpy", executor);
 //   if (target->mesh) closest_hit(target->mesh->bvh, ray); else target->scene->rays.cast_ray(ray);
@@ -38,9 +38,9 @@ struct CastTarget {
     Aabb bounds;  ///< of the mesh, or of the scene's bounded shapes [m]
 };
 
-/// @param name      of a mesh or a scene, or a scene file (ends in .json or has a slash).
+/// @param name      of a mesh or a scene, a mesh file (by its ending, see mesh_format) or a scene file (ends in .json or has a slash).
 /// @param executor  builds the mesh's hierarchy, and is the scene's own; must outlive the target.
-/// @return UnknownName with the names there are; what reading the file says; Empty for a scene without bounded shapes.
+/// @return UnknownName with the names there are; what reading the file says; Empty for a mesh whose triangles are all points or edges; Empty for a scene without bounded shapes.
 [[nodiscard]] Result<CastTarget> load_target(const std::string& name, Executor& executor);
 
 /// @return a camera that sees all of the target, from above at an angle.

@@ -152,6 +152,9 @@ HWY_INLINE Floats load_unaligned(const float* from) { return Floats{hn::LoadU(Fl
 HWY_INLINE void store(Floats a, float* to) { hn::Store(a.raw, FloatTag(), to); }
 HWY_INLINE void store_unaligned(Floats a, float* to) { hn::StoreU(a.raw, FloatTag(), to); }
 HWY_INLINE Floats broadcast(float x) { return Floats{x}; }
+/// @return the least and the greatest of all lanes, none of which is NaN.
+HWY_INLINE float least_lane(Floats a) { return hn::GetLane(hn::MinOfLanes(FloatTag(), a.raw)); }
+HWY_INLINE float greatest_lane(Floats a) { return hn::GetLane(hn::MaxOfLanes(FloatTag(), a.raw)); }
 
 /// One 32-bit signed integer a lane. Arithmetic wraps.
 struct Ints {
@@ -182,6 +185,10 @@ HWY_INLINE void store_unaligned(Ints a, std::int32_t* to) { hn::StoreU(a.raw, In
 HWY_INLINE Ints lane_numbers() { return Ints{hn::Iota(IntTag(), 0)}; }
 /// @return each integer as a float, rounded to nearest.
 HWY_INLINE Floats to_floats(Ints a) { return Floats{hn::ConvertTo(FloatTag(), a.raw)}; }
+/// @param a  within the range of Ints. @return rounded towards zero.
+HWY_INLINE Ints truncate(Floats a) { return Ints{hn::ConvertTo(IntTag(), a.raw)}; }
+/// @return base[index] in each lane. Slower than loads of neighbours, unless these would have to be picked apart.
+HWY_INLINE Floats gather(const float* base, Ints index) { return Floats{hn::GatherIndex(FloatTag(), base, index.raw)}; }
 /// @return the same 32 bits.
 HWY_INLINE Ints as_ints(Floats a) { return Ints{hn::BitCast(IntTag(), a.raw)}; }
 HWY_INLINE Floats as_floats(Ints a) { return Floats{hn::BitCast(FloatTag(), a.raw)}; }

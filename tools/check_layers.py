@@ -14,7 +14,7 @@ import sys
 
 COLLISION = {"core", "collision"}
 DYNAMICS = COLLISION | {"broadphase", "narrowphase", "dynamics"}
-LIBRARIES = DYNAMICS | {"core/tbb", "viz", "scenes"}
+LIBRARIES = DYNAMICS | {"core/tbb", "collision/import", "viz", "scenes"}
 TOP = LIBRARIES | {"studies"}
 
 # What each room may include besides itself. The longest prefix of a file's path decides its room.
@@ -22,6 +22,7 @@ ALLOWED = {
     "core": set(),
     "core/tbb": {"core"},
     "collision": {"core"},
+    "collision/import": {"core", "collision"},
     "broadphase": COLLISION,
     "narrowphase": COLLISION,
     "dynamics": DYNAMICS,

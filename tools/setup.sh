@@ -11,7 +11,8 @@ packages_of() {
     case "$1" in
         base) echo "g++ cmake ninja-build make pkg-config python3 libglm-dev libeigen3-dev libhwy-dev libxxhash-dev" \
                    "libtbb-dev libfmt-dev nlohmann-json3-dev libcli11-dev libboost-dev libpng-dev" ;;
-        tests) echo "libgtest-dev libgmock-dev libqhull-dev gnuplot-nox" ;;
+        # libcgal-demo holds scans and bad meshes that tests read; with what it needs some 80 MB.
+        tests) echo "libgtest-dev libgmock-dev libqhull-dev gnuplot-nox libcgal-demo" ;;
         # VTK draws through X and OpenGL: Xvfb is the display, Mesa's llvmpipe the graphics card, xauth is what xvfb-run needs.
         viz) echo "libvtk9-dev libx11-dev xvfb xauth libgl1-mesa-dri libglx-mesa0" ;;
         bench) echo "libbenchmark-dev" ;;

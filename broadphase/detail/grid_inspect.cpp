@@ -11,15 +11,15 @@ using Cell = std::array<std::uint32_t, 3>;
 
 Cell cell_at(const GridLevel& g, std::size_t at) noexcept {
     Cell c;
-    for (int k = 0; k < 3; ++k) c[static_cast<std::size_t>(k)] = g.map.coordinate(k, static_cast<double>(g.entries.lower[k][at]));
+    for (int k = 0; k < 3; ++k) c[static_cast<std::size_t>(k)] = g.map.coordinate(k, g.entries.lower[k][at]);
     return c;
 }
 
 FloatAabb box_of(const CellMap& map, const Cell& c) noexcept {
     FloatAabb box;
     for (int k = 0; k < 3; ++k) {
-        const double edge = map.per_metre[k] > 0.0 ? 1.0 / map.per_metre[k] : 0.0;
-        const double low = map.origin[k] + c[static_cast<std::size_t>(k)] * edge;
+        const double edge = map.per_metre[k] > 0.0f ? 1.0 / double{map.per_metre[k]} : 0.0;
+        const double low = double{map.origin[k]} + c[static_cast<std::size_t>(k)] * edge;
         box.lower[map.axes[k]] = static_cast<float>(low);
         box.upper[map.axes[k]] = static_cast<float>(low + edge);
     }

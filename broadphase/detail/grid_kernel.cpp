@@ -25,7 +25,7 @@ HWY_INLINE CellRange cells_near(const CellMap& map, const float lower[3], const 
     CellRange r;
     for (int k = 0; k < 3; ++k) {
         r.first[k] = map.reaching(k, lower[k]);
-        r.last[k] = map.coordinate(k, static_cast<double>(upper[k]));
+        r.last[k] = map.coordinate(k, upper[k]);
     }
     return r;
 }
@@ -84,9 +84,9 @@ void all_in_hashed_level(const GridLevel& g, std::size_t begin, std::size_t end,
         const Tag tag = static_cast<Tag>(e.tag[i]);
         const WideBox box(lower, upper);
         const CellRange r = cells_near(g.map, lower, upper);
-        const std::uint32_t x = g.map.coordinate(0, static_cast<double>(lower[0]));
-        const std::uint32_t y = g.map.coordinate(1, static_cast<double>(lower[1]));
-        const std::uint32_t z = g.map.coordinate(2, static_cast<double>(lower[2]));
+        const std::uint32_t x = g.map.coordinate(0, lower[0]);
+        const std::uint32_t y = g.map.coordinate(1, lower[1]);
+        const std::uint32_t z = g.map.coordinate(2, lower[2]);
         // The rest of its own cell, the cells after it in its row, the rows after it in its layer, the layers after that.
         const std::uint32_t own = g.map.cell(x, y, z);
         const auto run = [&](std::size_t first, std::size_t last, std::uint32_t code) {
@@ -106,7 +106,7 @@ void all_in_hashed_level(const GridLevel& g, std::size_t begin, std::size_t end,
 struct RunVector {
     Floats lower0, lower1, lower2, upper0, upper1, upper2;
     Ints tags;
-    Mask there;
+    Mask there, movable;
     HWY_INLINE RunVector(const EntryView& e, std::size_t j, std::size_t last)
         : lower0(load_unaligned(e.lower0 + j)),
           lower1(load_unaligned(e.lower1 + j)),
@@ -115,16 +115,23 @@ struct RunVector {
           upper1(load_unaligned(e.upper1 + j)),
           upper2(load_unaligned(e.upper2 + j)),
           tags(load_unaligned(e.tag + j)),
-          there(first_lanes(static_cast<int>(last - j < kLanes ? last - j : kLanes))) {}
-    HWY_INLINE Mask overlapping(const EntryView& e, std::size_t i) const {
-        return there & (lower0 <= Floats{e.upper0[i]}) & (upper0 >= Floats{e.lower0[i]}) & (lower1 <= Floats{e.upper1[i]}) &
+          there(first_lanes(static_cast<int>(last - j < kLanes ? last - j : kLanes))),
+          movable(there & ((tags & Ints{static_cast<std::int32_t>(kImmovable)}) == Ints{0})) {
+        tags = tags & Ints{static_cast<std::int32_t>(kIndexMask)};
+    }
+    // Entries that overlap entry i and may be paired with it.
+    HWY_INLINE Mask overlapping(const EntryView& e, std::size_t i, Mask partners) const {
+        return partners & (lower0 <= Floats{e.upper0[i]}) & (upper0 >= Floats{e.lower0[i]}) & (lower1 <= Floats{e.upper1[i]}) &
                (upper1 >= Floats{e.lower1[i]}) & (lower2 <= Floats{e.upper2[i]}) & (upper2 >= Floats{e.lower2[i]});
     }
+    // Writes the pairs of entry i whatever their number: whether there are any is hard to foresee, and a wrong guess costs more.
     HWY_INLINE std::size_t add(const EntryView& e, std::size_t i, Mask hit, std::int32_t* first, std::int32_t* second) const {
-        const Ints mine{e.tag[i]}, index{static_cast<std::int32_t>(kIndexMask)};
-        hit = hit & ((tags & mine & Ints{static_cast<std::int32_t>(kImmovable)}) == Ints{0});
-        store_unaligned(mine & index, first);
-        return compress_store(tags & index, hit, second);
+        store_unaligned(Ints{e.tag[i] & static_cast<std::int32_t>(kIndexMask)}, first);
+        return compress_store(tags, hit, second);
+    }
+    // Those that entry i may be paired with: of two boxes one at least can move.
+    HWY_INLINE Mask partners(const EntryView& e, std::size_t i) const {
+        return (static_cast<Tag>(e.tag[i]) & kImmovable) != 0 ? movable : there;
     }
 };
 
@@ -138,12 +145,23 @@ HWY_INLINE void scan_own_row(const EntryView& e, std::size_t first, std::size_t 
         std::int32_t *to_first = out.next_first(), *to_second = out.next_second();
         std::size_t found = 0;
         for (std::size_t i = first; i < end; ++i) {
-            const Mask hit = run.overlapping(e, i) & (places > Ints{static_cast<std::int32_t>(i)});
-            if (any(hit)) found += run.add(e, i, hit, to_first + found, to_second + found);
+            const Mask hit = run.overlapping(e, i, run.partners(e, i)) & (places > Ints{static_cast<std::int32_t>(i)});
+            found += run.add(e, i, hit, to_first + found, to_second + found);
         }
         out.added(found);
     }
 }
+
+// CellMap's coordinates along an axis, to the bit.
+struct WideMap {
+    Floats origin, per_metre, last, reach;
+    HWY_INLINE WideMap(const CellMap& map, int k)
+        : origin(map.origin[k]), per_metre(map.per_metre[k]), last(map.last[k]), reach(map.reach[k]) {}
+    HWY_INLINE Ints coordinate(Floats x) const { return truncate(max(min((x - origin) * per_metre, last), Floats{0.0f})); }
+    HWY_INLINE Ints reaching(Floats lower) const {
+        return coordinate((lower - reach) - Floats{CellMap::kRounding} * (abs(lower) + reach));
+    }
+};
 
 // Up to this many boxes of a cell are looked at together: as many as a word has bits.
 constexpr std::size_t kBatch = 64;
@@ -152,10 +170,11 @@ constexpr std::size_t kBatch = 64;
 struct BatchReach {
     alignas(64) std::int32_t first_row[kBatch], last_row[kBatch], last_layer[kBatch];
     HWY_INLINE void set(const CellMap& map, const EntryView& e, std::size_t first, std::size_t last) {
-        for (std::size_t i = first; i < last; ++i) {
-            first_row[i - first] = static_cast<std::int32_t>(map.reaching(1, e.lower1[i]));
-            last_row[i - first] = static_cast<std::int32_t>(map.coordinate(1, static_cast<double>(e.upper1[i])));
-            last_layer[i - first] = static_cast<std::int32_t>(map.coordinate(2, static_cast<double>(e.upper2[i])));
+        const WideMap rows(map, 1), layers(map, 2);
+        for (std::size_t i = 0; i < last - first; i += kLanes) {
+            store(rows.reaching(load_unaligned(e.lower1 + first + i)), first_row + i);
+            store(rows.coordinate(load_unaligned(e.upper1 + first + i)), last_row + i);
+            store(layers.coordinate(load_unaligned(e.upper2 + first + i)), last_layer + i);
         }
     }
     HWY_INLINE std::uint64_t reaching(std::size_t count, std::uint32_t row, std::uint32_t layer) const {
@@ -180,8 +199,8 @@ HWY_INLINE void scan_other_row(const EntryView& e, std::size_t first, std::uint6
         std::size_t found = 0;
         for (std::uint64_t left = boxes; left != 0; left &= left - 1) {
             const std::size_t i = first + hwy::Num0BitsBelowLS1Bit_Nonzero64(left);
-            const Mask hit = run.overlapping(e, i);
-            if (any(hit)) found += run.add(e, i, hit, to_first + found, to_second + found);
+            const Mask hit = run.overlapping(e, i, run.partners(e, i));
+            found += run.add(e, i, hit, to_first + found, to_second + found);
         }
         out.added(found);
     }
@@ -201,7 +220,7 @@ HWY_INLINE void all_of_batch(const GridLevel& g, const EntryView& e, std::size_t
         last_row = reach.last_row[i] > last_row ? reach.last_row[i] : last_row;
         last_layer = reach.last_layer[i] > last_layer ? reach.last_layer[i] : last_layer;
     }
-    const std::uint32_t x0 = g.map.reaching(0, lower0), x1 = g.map.coordinate(0, static_cast<double>(upper0));
+    const std::uint32_t x0 = g.map.reaching(0, lower0), x1 = g.map.coordinate(0, upper0);
     const auto place = static_cast<std::uint32_t>(cell);
     const std::uint32_t x = place % g.map.count[0], y = place / g.map.count[0] % g.map.count[1],
                         z = place / g.map.count[0] / g.map.count[1];

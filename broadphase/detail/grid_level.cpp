@@ -17,35 +17,55 @@ constexpr double kRowEdges = 1.25;
 constexpr double kBoxesACell = 3.0;
 // Boxes that share a cell, from which on a table of larger cells is given up for cells of the wanted size by hash.
 constexpr double kCrowd = 40.0;
-
-constexpr std::uint32_t kNobody = ~std::uint32_t{0};
+// What a thread takes at a time.
+constexpr std::size_t kSlotsAPart = 4096;
+static_assert(kSlotsAPart % kEntriesAtOnce == 0);
 
 // How the lower corners lie along an axis.
 struct Spread {
     double low = 0.0, high = 0.0;  // nearly all of them
-    double edge = 0.0;             // the longest
+    float edge = 0.0f;             // the longest
 };
 
-Spread spread_along(int axis, const ProxyTable& table, std::span<const std::uint32_t> slots) noexcept {
-    const auto n = static_cast<double>(slots.size());
+Spread spread_along(int axis, const CornerSpread& all, const ProxyTable& table, std::span<const std::uint32_t> slots) noexcept {
+    constexpr std::size_t kSample = 4096;
+    const std::size_t step = slots.size() / kSample + 1;
     const double origin = table.boxes[slots[0]].lower[axis];  // keeps the squares small
-    double low = origin, high = origin, sum = 0.0, squares = 0.0, edge = 0.0;
-    for (const std::uint32_t slot : slots) {
-        const FloatAabb& box = table.boxes[slot];
-        const double x = box.lower[axis], upper = box.upper[axis];
-        low = x < low ? x : low;
-        high = x > high ? x : high;
-        edge = upper - x > edge ? upper - x : edge;
-        sum += x - origin;
-        squares += (x - origin) * (x - origin);
+    double n = 0.0, sum = 0.0, squares = 0.0;
+    for (std::size_t i = 0; i < slots.size(); i += step) {
+        const double x = static_cast<double>(table.boxes[slots[i]].lower[axis]) - origin;
+        n += 1.0;
+        sum += x;
+        squares += x * x;
     }
     const double mean = sum / n, deviation = std::sqrt(std::max(squares / n - mean * mean, 0.0));
     // A stray box far away must not make the cells large: it is listed in the outermost one.
-    return {std::max(low, origin + mean - 3.0 * deviation), std::min(high, origin + mean + 3.0 * deviation), edge};
+    const double low = all.low[axis], high = all.high[axis];
+    return {std::max(low, origin + mean - 3.0 * deviation), std::min(high, origin + mean + 3.0 * deviation), all.edge[axis]};
 }
 
-CellMap choose_cells(const ProxyTable& table, std::span<const std::uint32_t> slots, bool hashed, double cell_scale) {
-    Spread s[3] = {spread_along(0, table, slots), spread_along(1, table, slots), spread_along(2, table, slots)};
+CornerSpread whole_spread(const ProxyTable& table, std::span<const std::uint32_t> slots, std::vector<CornerSpread>& spreads,
+                          Executor& executor) {
+    const std::size_t parts = (slots.size() + kSlotsAPart - 1) / kSlotsAPart;
+    spreads.resize(parts);
+    executor.parallel_for(parts, 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            const std::size_t first = k * kSlotsAPart;
+            spreads[k] = spread_of(table.boxes, slots.subspan(first, std::min(kSlotsAPart, slots.size() - first)));
+        }
+    });
+    CornerSpread all = spreads[0];
+    for (const CornerSpread& part : spreads) {
+        all.low = glm::min(all.low, part.low);
+        all.high = glm::max(all.high, part.high);
+        all.edge = glm::max(all.edge, part.edge);
+    }
+    return all;
+}
+
+CellMap choose_cells(const CornerSpread& all, const ProxyTable& table, std::span<const std::uint32_t> slots, bool hashed,
+                     double cell_scale) {
+    Spread s[3] = {spread_along(0, all, table, slots), spread_along(1, all, table, slots), spread_along(2, all, table, slots)};
     CellMap map;
     const auto swap_if_narrower = [&](int i, int j) {
         if (s[map.axes[i]].high - s[map.axes[i]].low < s[map.axes[j]].high - s[map.axes[j]].low) {
@@ -59,9 +79,9 @@ CellMap choose_cells(const ProxyTable& table, std::span<const std::uint32_t> slo
     for (int k = 0; k < 3; ++k) {
         const Spread& along = s[map.axes[k]];
         extent[k] = along.high - along.low;
-        map.origin[k] = along.low;
-        map.reach[k] = along.edge * (1.0 + 0x1p-50);
-        edge[k] = std::max((k == 0 ? kRunEdges : kRowEdges) * along.edge, 1e-9 * extent[k]);
+        map.origin[k] = static_cast<float>(along.low);
+        map.reach[k] = along.edge;
+        edge[k] = std::max((k == 0 ? kRunEdges : kRowEdges) * static_cast<double>(along.edge), 1e-9 * extent[k]);
     }
     const double most = hashed ? 0x1p90 : std::max(static_cast<double>(slots.size()) / kBoxesACell, 1.0);
     for (double scale = cell_scale;; scale *= 1.125) {
@@ -72,8 +92,8 @@ CellMap choose_cells(const ProxyTable& table, std::span<const std::uint32_t> slo
         if (count[0] * count[1] * count[2] <= most) break;
     }
     for (int k = 0; k < 3; ++k) {
-        map.per_metre[k] = extent[k] > 0.0 ? count[k] / extent[k] : 0.0;
-        map.last[k] = count[k] - 1.0;
+        map.per_metre[k] = extent[k] > 0.0 ? static_cast<float>(count[k] / extent[k]) : 0.0f;
+        map.last[k] = static_cast<float>(count[k] - 1.0);
         map.count[k] = static_cast<std::uint32_t>(count[k]);
     }
     map.hashed = hashed;
@@ -83,38 +103,37 @@ CellMap choose_cells(const ProxyTable& table, std::span<const std::uint32_t> slo
 }  // namespace
 
 void CellMap::region(int k, std::uint32_t c, FloatAabb& box) const noexcept {
-    const double edge = per_metre[k] > 0.0 ? 1.0 / per_metre[k] : 0.0;
-    const double low = origin[k] + c * edge, high = origin[k] + (c + 1.0) * edge + reach[k];
-    const double slack = 0x1p-20 * (std::abs(low) + std::abs(high) + edge);  // far more than all rounding, to float as well
+    const double edge = per_metre[k] > 0.0f ? 1.0 / static_cast<double>(per_metre[k]) : 0.0;
+    const double from = origin[k], low = from + c * edge, high = from + (c + 1.0) * edge + static_cast<double>(reach[k]);
+    const double slack = 0x1p-20 * (std::abs(from) + (c + 1.0) * edge + static_cast<double>(reach[k]));  // far more than all rounding
     constexpr float kInfinity = std::numeric_limits<float>::infinity();
     box.lower[axes[k]] = c == 0 ? -kInfinity : static_cast<float>(low - slack);
-    box.upper[axes[k]] = static_cast<double>(c) == last[k] ? kInfinity : static_cast<float>(high + slack);
+    box.upper[axes[k]] = static_cast<float>(c) == last[k] ? kInfinity : static_cast<float>(high + slack);
 }
 
 GridLevel::Home GridLevel::home_of(const FloatAabb& box) const noexcept {
     std::uint32_t c[3];
-    for (int k = 0; k < 3; ++k) c[k] = map.coordinate(k, static_cast<double>(box.lower[map.axes[k]]));
+    for (int k = 0; k < 3; ++k) c[k] = map.coordinate(k, box.lower[map.axes[k]]);
     return {map.cell(c[0], c[1], c[2]), CellMap::code(c[0], c[1], c[2])};
 }
 
 bool GridLevel::fits(const FloatAabb& box) const noexcept {
     for (int k = 0; k < 3; ++k) {
         const int axis = map.axes[k];
-        if (static_cast<double>(box.upper[axis]) - static_cast<double>(box.lower[axis]) > map.reach[k]) return false;
+        if (static_cast<double>(box.upper[axis]) - static_cast<double>(box.lower[axis]) > static_cast<double>(map.reach[k])) return false;
     }
     return true;
 }
 
-double GridLevel::count_cells(const ProxyTable& table, std::span<const std::uint32_t> slots) {
+double GridLevel::count_cells(const ProxyTable& table, std::span<const std::uint32_t> slots, Executor& executor) {
     const std::size_t cells = map.hashed ? std::size_t{map.mask} + 1 : std::size_t{map.count[0]} * map.count[1] * map.count[2];
     used.assign(cells, 0);
     double mates = 0.0;
-    for (std::size_t i = 0; i < slots.size(); ++i) {
-        const Home home = home_of(table.boxes[slots[i]]);
-        cell_of_[i] = home.cell;
-        if (map.hashed) code_of_[i] = home.code;
-        ++used[home.cell];
-    }
+    executor.parallel_for(slots.size(), kSlotsAPart, [&](std::size_t first, std::size_t last) {
+        std::uint32_t* const codes = map.hashed ? code_of_.data() + first : nullptr;
+        find_homes(map, table.boxes, slots.subspan(first, last - first), cell_of_.data() + first, codes);
+    });
+    for (std::size_t i = 0; i < slots.size(); ++i) rank_[i] = used[cell_of_[i]]++;
     for (const std::uint32_t count : used) mates += static_cast<double>(count) * count;
     return slots.empty() ? 0.0 : mates / static_cast<double>(slots.size());
 }
@@ -130,45 +149,61 @@ void GridLevel::give_room() {
     stray_begin = stray_end = end;
 }
 
-void GridLevel::build(const ProxyTable& table, std::span<const std::uint32_t> slots, Slack slack, std::vector<std::uint32_t>& place) {
+void GridLevel::build(const ProxyTable& table, std::span<const std::uint32_t> slots, Slack slack, std::vector<std::uint32_t>& place,
+                      Executor& executor) {
     slack_ = slack;
     size_ = slots.size();
     cell_of_.resize(size_);
-    if (size_ != 0) map = choose_cells(table, slots, false, cell_scale);
-    if (count_cells(table, slots) > kCrowd) {
+    rank_.resize(size_);
+    CornerSpread all;
+    if (size_ != 0) {
+        all = whole_spread(table, slots, spreads_, executor);
+        map = choose_cells(all, table, slots, false, cell_scale);
+    }
+    if (count_cells(table, slots, executor) > kCrowd) {
+        const auto inner_cells = [](const CellMap& m) {
+            return static_cast<double>(m.last[0]) * static_cast<double>(m.last[1]) * static_cast<double>(m.last[2]);
+        };
         const CellMap crowded = map;
-        map = choose_cells(table, slots, true, cell_scale);
-        const double cells_then = crowded.last[0] * crowded.last[1] * crowded.last[2];
-        if (map.last[0] * map.last[1] * map.last[2] > 4.0 * cells_then + 64.0) {
+        map = choose_cells(all, table, slots, true, cell_scale);
+        if (inner_cells(map) > 4.0 * inner_cells(crowded) + 64.0) {
             map.mask = 63;
             while (map.mask < size_ / 2) map.mask = 2 * map.mask + 1;
             code_of_.resize(size_);
         } else {
             map = crowded;  // cells of the wanted size would be as crowded
         }
-        count_cells(table, slots);
+        count_cells(table, slots, executor);
     }
     give_room();
+    fill_cells(table, slots, place, executor);
+}
+
+void GridLevel::fill_cells(const ProxyTable& table, std::span<const std::uint32_t> slots, std::vector<std::uint32_t>& place,
+                           Executor& executor) {
     const std::size_t total = stray_end;
     entries.grow(total + Entries::kSentinels);
     home_.resize(total);
     if (map.hashed) code.resize(total + Entries::kSentinels);
     order_.assign(total, kNobody);
-    std::fill(used.begin(), used.end(), 0u);
-    for (std::size_t i = 0; i < size_; ++i) {
-        const std::uint32_t cell = cell_of_[i];
-        order_[begin[cell] + used[cell]++] = static_cast<std::uint32_t>(i);
-    }
-    constexpr std::size_t kAhead = 24;  // boxes are read all over memory
-    for (std::size_t at = 0; at < total; ++at) {
-        const std::uint32_t i = order_[at];
-        if (at + kAhead < total && order_[at + kAhead] != kNobody) hwy::Prefetch(&table.boxes[slots[order_[at + kAhead]]]);
-        if (i == kNobody) {
-            entries.set(at, kNowhere, map.axes, 0);
-        } else {
-            put(table, at, slots[i], {cell_of_[i], map.hashed ? code_of_[i] : 0}, place);
+    executor.parallel_for(size_, kSlotsAPart, [&](std::size_t first, std::size_t last) {
+        for (std::size_t i = first; i < last; ++i) {
+            const std::uint32_t at = begin[cell_of_[i]] + rank_[i];
+            order_[at] = slots[i];
+            if (map.hashed) code[at] = code_of_[i];
+            if (slack_ == Slack::None) continue;  // nothing will be moved or taken out
+            home_[at] = cell_of_[i];
+            place[slots[i]] = at;
         }
-    }
+    });
+    const std::size_t parts = (total + kSlotsAPart - 1) / kSlotsAPart;
+    executor.parallel_for(parts, 1, [&](std::size_t begin_part, std::size_t end_part) {
+        const std::size_t first = begin_part * kSlotsAPart, last = std::min(end_part * kSlotsAPart, total);
+        fill_entries(table.boxes, order_, first, last, map.axes, entries);
+        for (std::size_t at = first; at < last; ++at) {
+            if (order_[at] != kNobody && table.movable[order_[at]] == 0) entries.tag[at] |= static_cast<std::int32_t>(kImmovable);
+        }
+    });
     entries.close(total);
 }
 
@@ -226,7 +261,7 @@ bool GridLevel::visit_near(const ProxyTable& table, const FloatAabb& box, Functi
     std::size_t cells = 1;
     for (int k = 0; k < 3; ++k) {
         first[k] = map.reaching(k, box.lower[map.axes[k]]);
-        last[k] = map.coordinate(k, static_cast<double>(box.upper[map.axes[k]]));
+        last[k] = map.coordinate(k, box.upper[map.axes[k]]);
         cells *= std::size_t{last[k] - first[k]} + 1;  // each count is below 2^20, so three of them fit
     }
     const auto visit_run = [&](std::size_t from, std::size_t to, bool check, std::uint32_t wanted) {
@@ -294,8 +329,8 @@ void GridLevel::prefetch(std::size_t at) const noexcept {
 }
 
 std::size_t GridLevel::memory() const noexcept {
-    return entries.memory() + sizeof(std::uint32_t) * (begin.capacity() + used.capacity() + code.capacity() + home_.capacity() +
-                                                       cell_of_.capacity() + code_of_.capacity() + order_.capacity());
+    return entries.memory() + sizeof(CornerSpread) * spreads_.capacity() + sizeof(std::uint32_t) * (begin.capacity() + used.capacity() + code.capacity() + home_.capacity() +
+                                                       cell_of_.capacity() + code_of_.capacity() + rank_.capacity() + order_.capacity());
 }
 
 }  // namespace carom::detail

@@ -1,6 +1,6 @@
 // One grid: boxes of like size, each listed once, in the cell of its lower corner.
 //
-//   level.build(table, slots, Slack::None);
+//   level.build(table, slots, Slack::None, place, executor);
 //   find_all_in_level(level, first, last, out);          // pairs within the level
 //   level.apply(...); find_begun_in_level(level, movers, out);
 //
@@ -13,6 +13,7 @@
 #include <carom/broadphase/broadphase.hpp>
 #include <carom/broadphase/detail/overlap_kernel.hpp>
 #include <carom/broadphase/detail/proxy_table.hpp>
+#include <carom/core/executor.hpp>
 #include <carom/core/function_ref.hpp>
 
 #include <cstddef>
@@ -26,29 +27,29 @@ namespace carom::detail {
 struct CellMap {
     static constexpr double kMostCoordinate = 1048575.0;
     int axes[3] = {0, 1, 2};  ///< runs go along the first
-    double origin[3] = {};
-    double per_metre[3] = {};
-    double last[3] = {};   ///< greatest coordinate of a cell; everything beyond counts as in it
-    double reach[3] = {};  ///< no box of the level is longer, but for strays
+    float origin[3] = {};
+    float per_metre[3] = {};
+    float last[3] = {};   ///< greatest coordinate of a cell; everything beyond counts as in it
+    float reach[3] = {};  ///< no box of the level is longer, but for strays
     std::uint32_t count[3] = {1, 1, 1};
     bool hashed = false;
     std::uint32_t mask = 0;  ///< of the hash
 
     /// Never decreases as x grows, whatever is rounded.
-    [[nodiscard]] std::uint32_t coordinate(int k, double x) const noexcept {
-        double c = (x - origin[k]) * per_metre[k];
+    [[nodiscard]] std::uint32_t coordinate(int k, float x) const noexcept {
+        float c = (x - origin[k]) * per_metre[k];
         c = c < last[k] ? c : last[k];
-        c = c > 0.0 ? c : 0.0;
+        c = c > 0.0f ? c : 0.0f;
         return static_cast<std::uint32_t>(static_cast<std::int32_t>(c));
     }
     /// Where boxes of the cells c along an axis may lie, rounded outward; open at the ends of the grid.
     void region(int k, std::uint32_t c, FloatAabb& box) const noexcept;
     /// The least coordinate of any box that overlaps one whose lower end is x.
     [[nodiscard]] std::uint32_t reaching(int k, float lower) const noexcept {
-        const double x = lower;
-        const double size = (x < 0.0 ? -x : x) + reach[k];
-        return coordinate(k, (x - reach[k]) - 0x1p-50 * size);  // the differences round by less than that
+        const float size = (lower < 0.0f ? -lower : lower) + reach[k];
+        return coordinate(k, (lower - reach[k]) - kRounding * size);
     }
+    static constexpr float kRounding = 0x1p-22f;  ///< of sizes: more than two differences of them round by
     [[nodiscard]] std::uint32_t cell(std::uint32_t x, std::uint32_t y, std::uint32_t z) const noexcept {
         if (!hashed) return (z * count[1] + y) * count[0] + x;
         std::uint32_t h = x * 0x9e3779b1u ^ y * 0x85ebca77u ^ z * 0xc2b2ae3du;
@@ -63,10 +64,16 @@ struct CellMap {
 
 enum class Slack { None, Some };
 
+/// The least box around the lower corners of boxes, and their longest edges, each rounded upward.
+struct CornerSpread {
+    vec3 low{0.0f}, high{0.0f}, edge{0.0f};
+};
+
 class GridLevel {
 public:
     /// Lists the boxes of these slots anew. place[slot] becomes where each is.
-    void build(const ProxyTable& table, std::span<const std::uint32_t> slots, Slack slack, std::vector<std::uint32_t>& place);
+    void build(const ProxyTable& table, std::span<const std::uint32_t> slots, Slack slack, std::vector<std::uint32_t>& place,
+               Executor& executor);
     [[nodiscard]] bool has_slack() const noexcept { return slack_ == Slack::Some; }
 
     /// Whether a box is short enough to be listed in a cell.
@@ -123,17 +130,33 @@ private:
     template <class F>
     bool walk_layers(const SweepPath& path, F visit_cells) const;
     [[nodiscard]] Home home_of(const FloatAabb& box) const noexcept;
-    /// Counts the boxes of each cell into `used`. @return the mean number of boxes that share a box's cell.
-    double count_cells(const ProxyTable& table, std::span<const std::uint32_t> slots);
+    /// Counts the boxes of each cell into `used` and numbers them there. @return the mean number of boxes that share a box's cell.
+    double count_cells(const ProxyTable& table, std::span<const std::uint32_t> slots, Executor& executor);
+    void fill_cells(const ProxyTable& table, std::span<const std::uint32_t> slots, std::vector<std::uint32_t>& place, Executor& executor);
     void give_room();
     void put(const ProxyTable& table, std::size_t at, std::uint32_t slot, Home home, std::vector<std::uint32_t>& place);
 
     std::size_t size_ = 0;
     Slack slack_ = Slack::None;
     std::vector<std::uint32_t> home_;               // the cell of each entry
-    std::vector<std::uint32_t> cell_of_, code_of_;  // of each slot of the list, while the level is built
-    std::vector<std::uint32_t> order_;              // places in that list, cell by cell
+    std::vector<std::uint32_t> cell_of_, code_of_, rank_;  // of each slot of the list, while the level is built
+    std::vector<std::uint32_t> order_;                     // the slots cell by cell
+    std::vector<CornerSpread> spreads_;
 };
+
+/// The cells of boxes by their lower corners, and the codes of these cells where they are hashed.
+void find_homes(const CellMap& map, std::span<const FloatAabb> boxes, std::span<const std::uint32_t> slots, std::uint32_t* cell,
+                std::uint32_t* code);
+
+/// Entry k becomes the box of order[k], with the slot for its tag, for k in [first, last); kNobody stands for a box that overlaps
+/// nothing. Entries are written up to the next multiple of kEntriesAtOnce.
+inline constexpr std::uint32_t kNobody = ~std::uint32_t{0};
+inline constexpr std::size_t kEntriesAtOnce = 16;
+void fill_entries(std::span<const FloatAabb> boxes, std::span<const std::uint32_t> order, std::size_t first, std::size_t last,
+                  const int axes[3], Entries& entries);
+
+/// Of the boxes of these slots, one at least.
+[[nodiscard]] CornerSpread spread_of(std::span<const FloatAabb> boxes, std::span<const std::uint32_t> slots);
 
 /// Pairs of the boxes in cells [first, last) with each other and those in later cells of the level, which was just built; each once.
 void find_all_in_level(const GridLevel& level, std::size_t first, std::size_t last, PairBuffer& out);

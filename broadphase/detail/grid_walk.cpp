@@ -7,12 +7,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace carom::detail {
 namespace {
 
 constexpr double kRounding = 0x1p-46;  // of the sum of what goes into a coordinate: more than all rounding of walk and test
 constexpr double kHuge = 1e300;        // beyond every float, and finite
+constexpr double kMostFloat{std::numeric_limits<float>::max()};
 
 struct CoordinateRange {
     std::uint32_t first, last;
@@ -25,11 +27,13 @@ struct TimeSpan {
 // Where boxes may be listed that the path meets between two times.
 CoordinateRange cells_between(const CellMap& map, const SweepPath& path, int k, const TimeSpan& t) noexcept {
     const int axis = map.axes[k];
-    const double o = path.origin[axis], d = path.direction[axis];
+    const double o = path.origin[axis], d = path.direction[axis], reach{map.reach[k]};
     const double a = std::clamp(t.first * d, -kHuge, kHuge), b = std::clamp(t.last * d, -kHuge, kHuge);
     const double low = o + std::min(a, b) - path.grow[axis], high = o + std::max(a, b) + path.grow[axis];
-    const double slack = kRounding * (std::abs(o) + std::max(std::abs(a), std::abs(b)) + path.grow[axis] + map.reach[k]);
-    return {map.coordinate(k, (low - map.reach[k]) - slack), map.coordinate(k, high + slack)};
+    const double slack = kRounding * (std::abs(o) + std::max(std::abs(a), std::abs(b)) + path.grow[axis] + reach);
+    // Rounding to float never decreases as the value grows, and corners are floats, so it takes no cell away.
+    const auto cell = [&](double x) { return map.coordinate(k, static_cast<float>(std::clamp(x, -kMostFloat, kMostFloat))); };
+    return {cell((low - reach) - slack), cell(high + slack)};
 }
 
 // When the path is where boxes of this layer may be; empty if first > last.
@@ -39,7 +43,7 @@ TimeSpan time_in_layer(const CellMap& map, const SweepPath& path, int k, std::ui
     if (d == 0.0) return {0.0, path.t_max};
     FloatAabb box;
     map.region(k, layer, box);
-    const double lower = box.lower[axis], upper = box.upper[axis];
+    const double lower{box.lower[axis]}, upper{box.upper[axis]};
     const double low = lower - path.grow[axis] - kRounding * (std::abs(o) + std::abs(lower));
     const double high = upper + path.grow[axis] + kRounding * (std::abs(o) + std::abs(upper));
     const double a = (low - o) / d, b = (high - o) / d;
@@ -52,7 +56,7 @@ int main_axis(const CellMap& map, const SweepPath& path) noexcept {
     double most = -1.0;
     for (int k = 0; k < 3; ++k) {
         const double length = std::min(std::abs(path.direction[map.axes[k]]) * path.t_max, kHuge);
-        const double crossed = std::min(length * map.per_metre[k], map.last[k]);
+        const double crossed = std::min(length * double{map.per_metre[k]}, double{map.last[k]});
         if (crossed <= most) continue;
         most = crossed;
         best = k;
@@ -101,7 +105,7 @@ bool GridLevel::visit_along(const ProxyTable& table, const SweepPath& path, Func
     // Where cells share an entry of the table, each takes only what is its own.
     const auto is_at_home = [&](std::size_t at, const std::uint32_t cell[3]) {
         for (int k = 0; k < 3; ++k) {
-            if (map.coordinate(k, static_cast<double>(entries.lower[k][at])) != cell[k]) return false;
+            if (map.coordinate(k, entries.lower[k][at]) != cell[k]) return false;
         }
         return true;
     };

@@ -1,4 +1,5 @@
-// find_touched looks up a bit for either slot of many pairs at once; sort_rows ranks each value of a row among all of them at once.
+// find_touched looks up a bit for either slot of many pairs at once; sort_rows ranks each value of a row among all of them at once;
+// compare_lists passes over what two lists share.
 #include <carom/core/simd_targets.hpp>
 
 #undef HWY_TARGET_INCLUDE
@@ -68,6 +69,36 @@ void sorted_rows(const std::uint32_t* values, std::uint32_t start, std::uint32_t
     }
 }
 
+// Whole vectors of pairs that both lists share are passed over at once.
+PairChanges changes_of(std::span<const ProxyPair> before, std::span<const ProxyPair> now, ProxyPair* ended, ProxyPair* begun) {
+    std::size_t i = 0, j = 0, ended_count = 0, begun_count = 0;
+    constexpr std::size_t kPairs = kLanes / 2;
+    while (i < before.size() && j < now.size()) {
+        if constexpr (kPairs != 0) {
+            if (i + kPairs <= before.size() && j + kPairs <= now.size()) {
+                const Ints was = load_unaligned(reinterpret_cast<const std::int32_t*>(before.data() + i));
+                const Ints is = load_unaligned(reinterpret_cast<const std::int32_t*>(now.data() + j));
+                const unsigned differ = bits(was != is);
+                const std::size_t same = differ == 0 ? kPairs : hwy::Num0BitsBelowLS1Bit_Nonzero32(differ) / 2;
+                i += same;
+                j += same;
+                if (differ == 0) continue;
+            }
+        }
+        // Both are written; the counts say which holds.
+        const std::uint64_t was = key_of(before[i]), is = key_of(now[j]);
+        ended[ended_count] = before[i];
+        begun[begun_count] = now[j];
+        ended_count += was < is;
+        begun_count += is < was;
+        i += was <= is;
+        j += is <= was;
+    }
+    for (; i < before.size(); ++i) ended[ended_count++] = before[i];
+    for (; j < now.size(); ++j) begun[begun_count++] = now[j];
+    return {ended_count, begun_count};
+}
+
 }  // namespace
 }  // namespace carom::detail::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -80,6 +111,7 @@ namespace carom::detail {
 
 HWY_EXPORT(touched_pairs);
 HWY_EXPORT(sorted_rows);
+HWY_EXPORT(changes_of);
 
 // The pairs of a row differ, so the result does not depend on how they are sorted.
 void sort_long_row(ProxyPair* first, ProxyPair* last) noexcept {
@@ -90,6 +122,10 @@ void sort_long_row(ProxyPair* first, ProxyPair* last) noexcept {
 void sort_rows(const std::uint32_t* values, std::uint32_t start, std::uint32_t first_row, std::span<const std::uint32_t> ends,
                ProxyPair* out) {
     HWY_DYNAMIC_DISPATCH(sorted_rows)(values, start, first_row, ends, out);
+}
+
+PairChanges compare_lists(std::span<const ProxyPair> before, std::span<const ProxyPair> now, ProxyPair* ended, ProxyPair* begun) {
+    return HWY_DYNAMIC_DISPATCH(changes_of)(before, now, ended, begun);
 }
 
 std::size_t find_touched(std::span<const ProxyPair> pairs, const SlotBits& changed, std::uint32_t* out) {

@@ -3,12 +3,15 @@
 #include <hwy/cache_control.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
 #include <utility>
 
 namespace carom::detail {
 namespace {
 
-constexpr std::size_t kMostBuckets = 256;  // streams that are written at once
+constexpr std::size_t kMostShares = 8;  // of the rows; every share reads all that was found
 
 template <class T>
 void grow(std::vector<T>& v, std::size_t size) {
@@ -60,95 +63,122 @@ void PairSet::clear() noexcept {
 
 void PairSet::keep() noexcept {
     begun_ = {};
-    ended_.clear();
+    ended_count_ = 0;
 }
 
-// Pairs are dealt out to buckets of neighbouring rows, which then fit the cache: there each is sorted by row and then by b.
+// Each share of the rows counts its pairs, then deals them out, sorts each row and compares it with what was there before.
 void PairSet::replace(const PairPieces& found, std::size_t slots, Executor& executor) {
-    unsigned shift = 0;
-    while ((slots >> shift) + 1 > kMostBuckets) ++shift;
-    const std::size_t buckets = (slots >> shift) + 1;
-    bucket_.assign(buckets + 1, 0);
+    const auto threads = static_cast<std::size_t>(executor.thread_count());
+    const std::size_t shares = slots < 4096 ? 1 : std::min(threads, kMostShares);
+    // A pair is listed with the lesser of its slots, so low rows are longer: on average row a of n has a share of (n - a) / n.
+    std::array<std::size_t, kMostShares + 1> first_row{};
+    for (std::size_t k = 1; k < shares; ++k) {
+        const double left = 1.0 - static_cast<double>(k) / static_cast<double>(shares);
+        first_row[k] = static_cast<std::size_t>(static_cast<double>(slots) * (1.0 - std::sqrt(left)));
+    }
+    first_row[shares] = slots;
+    row_ends_.assign(slots, 0);
+    executor.parallel_for(shares, 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) count_rows(found, first_row[k], first_row[k + 1]);
+    });
+    std::uint32_t total = 0;
+    for (std::uint32_t& start : row_ends_) total += std::exchange(start, total);
+    begin_list(total);
+    grow(row_values_, total + kRowPadding);
+    std::array<std::uint32_t, kMostShares + 1> first_pair{};
+    for (std::size_t k = 0; k < shares; ++k) first_pair[k] = first_row[k] < slots ? row_ends_[first_row[k]] : total;
+    first_pair[shares] = total;
+    std::array<ListChanges, kMostShares> changes;
+    executor.parallel_for(shares, 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            deal_out(found, first_row[k], first_row[k + 1]);
+            sort_rows(row_values_.data(), first_pair[k], static_cast<std::uint32_t>(first_row[k]),
+                      {row_ends_.data() + first_row[k], first_row[k + 1] - first_row[k]}, pairs_.data());
+            changes[k] = compare_rows(first_row[k], first_row[k + 1], first_pair[k], first_pair[k + 1]);
+        }
+    });
+    take_changes({changes.data(), shares});
+}
+
+void PairSet::count_rows(const PairPieces& found, std::size_t first, std::size_t last) {
+    std::uint32_t* const count = row_ends_.data();
     for (std::size_t k = 0; k < found.count(); ++k) {
         const PairBuffer& piece = found[k];
-        for (std::size_t i = 0; i < piece.size(); ++i) ++bucket_[piece[i].a >> shift];
+        for (std::size_t i = 0; i < piece.size(); ++i) {
+            const std::uint32_t row = piece[i].a;
+            if (row - first < last - first) ++count[row];
+        }
     }
-    std::uint32_t total = 0;
-    for (std::uint32_t& start : bucket_) total += std::exchange(start, total);
-    next_in_bucket_.assign(bucket_.begin(), bucket_.end());
-    std::swap(pairs_, next_);  // the list before is in next_ now
-    previous_count_ = std::exchange(count_, total);
-    grow(pairs_, total);
-    grow(unsorted_, total);
-    grow(row_values_, total + (buckets + 1) * kRowPadding);  // what one thread reads ahead, no other may write
+}
+
+void PairSet::deal_out(const PairPieces& found, std::size_t first, std::size_t last) {
+    std::uint32_t* const ends = row_ends_.data();
+    std::uint32_t* const values = row_values_.data();
     for (std::size_t k = 0; k < found.count(); ++k) {
         const PairBuffer& piece = found[k];
         for (std::size_t i = 0; i < piece.size(); ++i) {
             const ProxyPair pair = piece[i];
-            unsorted_[next_in_bucket_[pair.a >> shift]++] = pair;
+            if (pair.a - first < last - first) values[ends[pair.a]++] = pair.b;
         }
     }
-    const std::size_t rows = std::size_t{1} << shift;
-    row_ends_.resize(buckets * rows);
-    executor.parallel_for(buckets, 8, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) {
-            const std::span<const ProxyPair> bucket(unsorted_.data() + bucket_[k], bucket_[k + 1] - bucket_[k]);
-            sort_bucket(bucket, static_cast<std::uint32_t>(k << shift), bucket_[k], {row_ends_.data() + k * rows, rows},
-                        row_values_.data() + k * kRowPadding);
-        }
-    });
-    compare_with_before();
 }
 
-void PairSet::sort_bucket(std::span<const ProxyPair> bucket, std::uint32_t first_row, std::uint32_t start, std::span<std::uint32_t> ends,
-                          std::uint32_t* values) {
-    std::fill(ends.begin(), ends.end(), 0u);
-    for (const ProxyPair& pair : bucket) ++ends[pair.a - first_row];
-    std::uint32_t at = start;
-    for (std::uint32_t& end : ends) at += std::exchange(end, at);
-    for (const ProxyPair& pair : bucket) values[ends[pair.a - first_row]++] = pair.b;
-    sort_rows(values, start, first_row, ends, pairs_.data());
-}
-
-void PairSet::replace(std::span<const ProxyPair> sorted) {
+// The list before moves to next_; pairs_ has room for `count`, and what changes has room for all.
+void PairSet::begin_list(std::size_t count) {
     std::swap(pairs_, next_);
-    previous_count_ = count_;
-    count_ = sorted.size();
-    grow(pairs_, count_);
-    std::copy(sorted.begin(), sorted.end(), pairs_.begin());
-    compare_with_before();
+    previous_count_ = std::exchange(count_, count);
+    grow(pairs_, count);
+    if (previous_count_ == 0) return;
+    grow(ended_, previous_count_ + kRowPadding);
+    grow(begun_store_, count + kRowPadding);
 }
 
-void PairSet::compare_with_before() {
+// Pairs of rows [first, last), which are pairs_[begin, end), with those before. Both kinds go where no other rows' can.
+PairSet::ListChanges PairSet::compare_rows(std::size_t first, std::size_t last, std::size_t begin, std::size_t end) {
+    ListChanges out{.begun_at = begin};
+    if (previous_count_ == 0) return out;
+    const auto before_row = [](const ProxyPair& pair, std::size_t row) { return pair.a < row; };
     const ProxyPair* const before = next_.data();
-    const std::size_t before_count = previous_count_;
-    ended_.clear();
-    if (before_count == 0) {
+    const ProxyPair* const from = std::lower_bound(before, before + previous_count_, first, before_row);
+    const ProxyPair* const to = std::lower_bound(from, before + previous_count_, last, before_row);
+    out.ended_at = static_cast<std::size_t>(from - before);
+    const PairChanges found = compare_lists({from, to}, {pairs_.data() + begin, end - begin}, ended_.data() + out.ended_at,
+                                            begun_store_.data() + begin);
+    out.ended = found.ended;
+    out.begun = found.begun;
+    return out;
+}
+
+// Closes the gaps between the shares.
+void PairSet::take_changes(std::span<const ListChanges> shares) {
+    ended_count_ = 0;
+    if (previous_count_ == 0) {
         begun_ = pairs();
         return;
     }
-    begun_store_.clear();
-    std::size_t i = 0, j = 0;
-    while (i < before_count && j < count_) {
-        if (before[i] == pairs_[j]) {
-            ++i;
-            ++j;
-        } else if (before[i] < pairs_[j]) {
-            ended_.push_back(before[i++]);
-        } else {
-            begun_store_.push_back(pairs_[j++]);
-        }
+    std::size_t begun = 0;
+    for (const ListChanges& share : shares) {
+        std::copy_n(ended_.data() + share.ended_at, share.ended, ended_.data() + ended_count_);
+        std::copy_n(begun_store_.data() + share.begun_at, share.begun, begun_store_.data() + begun);
+        ended_count_ += share.ended;
+        begun += share.begun;
     }
-    ended_.insert(ended_.end(), before + i, before + before_count);
-    begun_store_.insert(begun_store_.end(), pairs_.data() + j, pairs_.data() + count_);
-    begun_ = begun_store_;
+    begun_ = {begun_store_.data(), begun};
+}
+
+void PairSet::replace(std::span<const ProxyPair> sorted) {
+    begin_list(sorted.size());
+    std::copy(sorted.begin(), sorted.end(), pairs_.begin());
+    const ListChanges changes = compare_rows(0, std::numeric_limits<std::size_t>::max(), 0, count_);
+    take_changes({&changes, 1});
 }
 
 void PairSet::list_ended(const SlotBits& changed, const Keep& keep) {
     constexpr std::size_t kAhead = 12;  // boxes are read all over memory
     grow(touched_, count_ + 16);
     const std::size_t touched = find_touched(pairs(), changed, touched_.data());
-    ended_.clear();
+    grow(ended_, touched);
+    ended_count_ = 0;
     ended_places_.clear();
     for (std::size_t i = 0; i < touched; ++i) {
         if (i + kAhead < touched) {
@@ -159,7 +189,7 @@ void PairSet::list_ended(const SlotBits& changed, const Keep& keep) {
         const ProxyPair pair = pairs_[touched_[i]];
         if (keep(pair)) continue;
         ended_places_.push_back(touched_[i]);
-        ended_.push_back(pair);
+        ended_[ended_count_++] = pair;
     }
 }
 
@@ -190,7 +220,8 @@ bool PairSet::patch(const PairPieces& found, const SlotBits& changed, const Keep
         if (count_ + begun - ended > limit) return false;
     }
     list_ended(changed, keep_pair);
-    begun_store_.clear();
+    grow(begun_store_, candidates_.size());
+    std::size_t begun = 0;
     grow(next_, count_ + candidates_.size());
     ProxyPair* out = next_.data();
     std::size_t from = 0, gone = 0;
@@ -210,19 +241,18 @@ bool PairSet::patch(const PairPieces& found, const SlotBits& changed, const Keep
         if (place < count_ && key_of(pairs_[place]) == key) continue;  // overlaps now as before
         copy_to(place);
         *out++ = pair_of(key);
-        begun_store_.push_back(pair_of(key));
+        begun_store_[begun++] = pair_of(key);
     }
     copy_to(count_);
     count_ = static_cast<std::size_t>(out - next_.data());
     std::swap(pairs_, next_);
-    begun_ = begun_store_;
+    begun_ = {begun_store_.data(), begun};
     return true;
 }
 
 std::size_t PairSet::memory() const noexcept {
-    return sizeof(ProxyPair) * (pairs_.capacity() + next_.capacity() + unsorted_.capacity() + begun_store_.capacity() + ended_.capacity()) +
-           sizeof(std::uint32_t) * (row_values_.capacity() + row_ends_.capacity() + bucket_.capacity() + next_in_bucket_.capacity() +
-                                    touched_.capacity() + ended_places_.capacity() + payload_.capacity() + scratch_.payload.capacity()) +
+    return sizeof(ProxyPair) * (pairs_.capacity() + next_.capacity() + begun_store_.capacity() + ended_.capacity()) +
+           sizeof(std::uint32_t) * (row_values_.capacity() + row_ends_.capacity() + touched_.capacity() + ended_places_.capacity() + payload_.capacity() + scratch_.payload.capacity()) +
            sizeof(std::uint64_t) * (candidates_.capacity() + scratch_.keys.capacity());
 }
 

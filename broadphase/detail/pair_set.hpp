@@ -41,7 +41,7 @@ class PairSet {
 public:
     [[nodiscard]] std::span<const ProxyPair> pairs() const noexcept { return {pairs_.data(), count_}; }
     [[nodiscard]] std::span<const ProxyPair> begun() const noexcept { return begun_; }
-    [[nodiscard]] std::span<const ProxyPair> ended() const noexcept { return {ended_.data(), ended_.size()}; }
+    [[nodiscard]] std::span<const ProxyPair> ended() const noexcept { return {ended_.data(), ended_count_}; }
 
     void clear() noexcept;
     /// Nothing began and nothing ended.
@@ -67,21 +67,25 @@ public:
     [[nodiscard]] std::size_t memory() const noexcept;
 
 private:
-    void sort_bucket(std::span<const ProxyPair> bucket, std::uint32_t first_row, std::uint32_t start, std::span<std::uint32_t> ends,
-                     std::uint32_t* values);
-    void compare_with_before();
+    /// What changed among some rows: runs of ended_ and begun_store_.
+    struct ListChanges {
+        std::size_t ended_at = 0, ended = 0, begun_at = 0, begun = 0;
+    };
+    void count_rows(const PairPieces& found, std::size_t first, std::size_t last);
+    void deal_out(const PairPieces& found, std::size_t first, std::size_t last);
+    void begin_list(std::size_t count);
+    [[nodiscard]] ListChanges compare_rows(std::size_t first, std::size_t last, std::size_t begin, std::size_t end);
+    void take_changes(std::span<const ListChanges> shares);
     void list_ended(const SlotBits& changed, const Keep& keep);
     void sort_candidates(const PairPieces& found);
 
-    std::vector<ProxyPair> pairs_, next_;  // grown, never shrunk: the first count_ of pairs_ hold
-    std::vector<ProxyPair> unsorted_;
+    std::vector<ProxyPair> pairs_, next_;  // grown, never shrunk, as all below: the first count_ of pairs_ hold
     std::size_t count_ = 0;
     std::size_t previous_count_ = 0;  // of next_, while the two lists are compared
     std::span<const ProxyPair> begun_;
     std::vector<ProxyPair> begun_store_, ended_;
+    std::size_t ended_count_ = 0;
     std::vector<std::uint32_t> row_values_, row_ends_;
-    std::vector<std::uint32_t> bucket_;  // where each bucket of rows starts
-    std::vector<std::uint32_t> next_in_bucket_;
     std::vector<std::uint32_t> touched_, ended_places_;  // places in pairs_
     std::vector<std::uint64_t> candidates_;
     std::vector<std::uint32_t> payload_;
@@ -91,6 +95,12 @@ private:
 /// Lists the places of the pairs of which a slot is changed, ascending. `out` has room for pairs.size() + 16.
 /// @return how many.
 std::size_t find_touched(std::span<const ProxyPair> pairs, const SlotBits& changed, std::uint32_t* out);
+
+/// What two sorted lists do not share. `ended` has room for all of `before`, `begun` for all of `now`. @return how many are in each.
+struct PairChanges {
+    std::size_t ended, begun;
+};
+PairChanges compare_lists(std::span<const ProxyPair> before, std::span<const ProxyPair> now, ProxyPair* ended, ProxyPair* begun);
 
 /// Rows are read up to this far beyond their end.
 inline constexpr std::size_t kRowPadding = 16;

@@ -1,5 +1,8 @@
+#include <carom/collision/detail/exact_sign.hpp>
 #include <carom/collision/detail/orientation.hpp>
 #include <carom/core/check.hpp>
+
+#include <cmath>
 
 namespace carom::detail {
 namespace {
@@ -27,19 +30,22 @@ public:
     }
 
 private:
-    static constexpr int kCapacity = 48;  // 24 triple products in two parts each
+    static constexpr int kCapacity = 96;  // 24 triple products in four parts each
     double terms_[kCapacity];
     int count_ = 0;
 };
 
-/// Adds sign · x y z, where each factor has 24 bits.
+void add_product(ExactSum& sum, double x, double y) noexcept {
+    const double product = x * y;
+    sum.add(product_error(x, y, product));
+    sum.add(product);
+}
+
+/// Adds sign · x y z.
 void add_product(ExactSum& sum, double sign, double x, double y, double z) noexcept {
-    const double xy = sign * x * y;  // 48 bits: exact
-    // Dekker's split leaves two halves of at most 26 bits, so that each times z is exact.
-    const double scaled = 134217729.0 * xy;  // 2^27 + 1
-    const double high = scaled - (scaled - xy);
-    sum.add(high * z);
-    sum.add((xy - high) * z);
+    const double xy = sign * x * y;
+    add_product(sum, product_error(sign * x, y, xy), z);
+    add_product(sum, xy, z);
 }
 
 /// Adds sign · u · (v × w).
@@ -52,18 +58,50 @@ void add_triple(ExactSum& sum, double sign, const dvec3& u, const dvec3& v, cons
     add_product(sum, -sign, u.z, v.y, w.x);
 }
 
-[[maybe_unused]] bool is_float(const dvec3& p) noexcept { return dvec3{vec3{p}} == p; }
+[[maybe_unused]] bool in_range(double x) noexcept { return x == 0.0 || (std::abs(x) >= 0x1p-300 && std::abs(x) <= 0x1p300); }
+[[maybe_unused]] bool in_range(const dvec3& p) noexcept { return in_range(p.x) && in_range(p.y) && in_range(p.z); }
 
 }  // namespace
 
-int orientation(const dvec3& a, const dvec3& b, const dvec3& c, const dvec3& d) noexcept {
-    CAROM_ASSERT(is_float(a) && is_float(b) && is_float(c) && is_float(d));
+int exact_orientation(const dvec3& a, const dvec3& b, const dvec3& c, const dvec3& d) noexcept {
+    CAROM_ASSERT(in_range(a) && in_range(b) && in_range(c) && in_range(d));
     ExactSum sum;
     add_triple(sum, 1.0, b, c, d);
     add_triple(sum, -1.0, a, c, d);
     add_triple(sum, 1.0, a, b, d);
     add_triple(sum, -1.0, a, b, c);
     return sum.sign();
+}
+
+namespace {
+
+int exact_orientation(const dvec2& a, const dvec2& b, const dvec2& c) noexcept {
+    ExactSum sum;
+    const dvec2* const corners[3] = {&a, &b, &c};
+    for (int k = 0; k < 3; ++k) {
+        const dvec2 &p = *corners[k], &q = *corners[(k + 1) % 3];
+        add_product(sum, p.x, q.y);
+        add_product(sum, -p.y, q.x);
+    }
+    return sum.sign();
+}
+
+constexpr double kUnit = 0x1p-53;
+
+}  // namespace
+
+int orientation(const dvec3& a, const dvec3& b, const dvec3& c, const dvec3& d) noexcept {
+    const int sign = FilteredCross(b - a, c - a).side(d - a);
+    return sign != 0 ? sign : exact_orientation(a, b, c, d);
+}
+
+int orientation(const dvec2& a, const dvec2& b, const dvec2& c) noexcept {
+    const double left = (b.x - a.x) * (c.y - a.y), right = (b.y - a.y) * (c.x - a.x);
+    const double determinant = left - right;
+    const double error = (3.0 + 16.0 * kUnit) * kUnit * (std::abs(left) + std::abs(right)) + 0x1p-1000;
+    if (determinant > error) return 1;
+    if (determinant < -error) return -1;
+    return exact_orientation(a, b, c);
 }
 
 }  // namespace carom::detail

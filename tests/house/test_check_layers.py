@@ -46,6 +46,7 @@ class CheckLayers(unittest.TestCase):
             ("tests/viz_vtk/view.cpp", "viz/vtk/detail/scene.hpp"),
             ("tests/dynamics/stack.cpp", "scenes/scene.hpp"),
             ("core/tbb/tbb_executor.cpp", "core/executor.hpp"),
+            ("collision/import/read_mesh.cpp", "collision/mesh_data.hpp"),
         ]:
             self.assert_fine(path, f"#include <carom/{included}>\n")
 
@@ -53,6 +54,8 @@ class CheckLayers(unittest.TestCase):
         for path, included in [
             ("core/pose.hpp", "collision/aabb.hpp"),
             ("core/executor.cpp", "core/tbb/tbb_executor.hpp"),
+            ("collision/mesh_data.cpp", "collision/import/read_mesh.hpp"),
+            ("dynamics/world.cpp", "collision/import/read_mesh.hpp"),
             ("collision/ray.hpp", "narrowphase/gjk.hpp"),
             ("broadphase/sap.cpp", "narrowphase/gjk.hpp"),
             ("narrowphase/gjk.cpp", "broadphase/broadphase.hpp"),

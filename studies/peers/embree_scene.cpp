@@ -1,11 +1,11 @@
-#include <carom/bench/embree_scene.hpp>
+#include <carom/studies/peers/embree_scene.hpp>
 
 #include <embree3/rtcore.h>
 
 #include <cstring>
 #include <stdexcept>
 
-namespace carom::bench {
+namespace carom::peers {
 
 struct EmbreeScene::Handles {
     RTCDevice device = rtcNewDevice("threads=1");
@@ -22,9 +22,10 @@ EmbreeScene::EmbreeScene(const MeshData& mesh, const EmbreeSettings& settings) :
     rtcSetSceneBuildQuality(handles_->scene, quality);
     RTCGeometry geometry = rtcNewGeometry(handles_->device, RTC_GEOMETRY_TYPE_TRIANGLE);
     rtcSetGeometryBuildQuality(geometry, quality);
-    void* const vertices = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(vec3), mesh.vertices.size());
-    void* const triangles = rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(mesh.triangles[0]),
-                                                    mesh.triangles.size());
+    void* const vertices =
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, sizeof(vec3), mesh.vertices.size());
+    void* const triangles =
+        rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, sizeof(mesh.triangles[0]), mesh.triangles.size());
     if (vertices == nullptr || triangles == nullptr) throw std::runtime_error("Embree has no room for the mesh");
     std::memcpy(vertices, mesh.vertices.data(), sizeof(vec3) * mesh.vertices.size());
     std::memcpy(triangles, mesh.triangles.data(), sizeof(mesh.triangles[0]) * mesh.triangles.size());
@@ -54,4 +55,4 @@ EmbreeHit EmbreeScene::closest_hit(const geo::Ray<float>& ray) const noexcept {
 
 std::string EmbreeScene::version() { return RTC_VERSION_STRING; }
 
-}  // namespace carom::bench
+}  // namespace carom::peers

@@ -12,7 +12,7 @@
 #include <memory>
 #include <string>
 
-namespace carom::bench {
+namespace carom::peers {
 
 struct EmbreeSettings {
     bool robust = false;        ///< RTC_SCENE_FLAG_ROBUST
@@ -38,4 +38,4 @@ private:
     std::unique_ptr<Handles> handles_;
 };
 
-}  // namespace carom::bench
+}  // namespace carom::peers

@@ -1,0 +1,7 @@
+#include <carom/cli/study_peers.hpp>
+
+namespace carom::cli {
+
+std::vector<accuracy::RayCaster> study_ray_peers() { return {}; }
+
+}  // namespace carom::cli

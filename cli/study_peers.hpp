@@ -1,0 +1,12 @@
+// Other libraries that join the studies: none but in builds with peers.
+#pragma once
+
+#include <carom/studies/accuracy/ray_problem.hpp>
+
+#include <vector>
+
+namespace carom::cli {
+
+[[nodiscard]] std::vector<accuracy::RayCaster> study_ray_peers();
+
+}  // namespace carom::cli

@@ -1,0 +1,379 @@
+#include <carom/core/simd_targets.hpp>
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE <carom/collision/detail/wide_pairs.cpp>
+#include <hwy/foreach_target.h>
+
+#include <carom/collision/detail/wide_pairs.hpp>
+#include <carom/collision/detail/wide_traverse.hpp>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <utility>
+#include <vector>
+
+HWY_BEFORE_NAMESPACE();
+namespace carom::HWY_NAMESPACE {
+namespace {
+
+using Bounds = float[2][3][kWidth];  ///< [lower, upper][x, y, z][child or triangle]
+
+/// Boxes around boxes that are turned and moved. Lanes without a child become anything.
+HWY_INLINE void place_boxes(const Bounds& bound, const float (&to)[3][4], float margin, Bounds& out) {
+    for (int row = 0; row < 3; ++row) {
+        for (int part = 0; part < kWidth; part += kLanes) {
+            Floats lower(to[row][3] - margin), upper(to[row][3] + margin);
+            for (int k = 0; k < 3; ++k) {
+                const Floats factor(to[row][k]);
+                const int low = to[row][k] < 0.0f ? 1 : 0;
+                lower += factor * load(bound[low][k] + part);
+                upper += factor * load(bound[1 - low][k] + part);
+            }
+            store(lower, out[0][row] + part);
+            store(upper, out[1][row] + part);
+        }
+    }
+}
+
+/// The boxes that overlap box j of the others.
+HWY_INLINE unsigned overlapping(const Bounds& boxes, const Bounds& others, std::size_t j) {
+    unsigned met = 0;
+    for (int part = 0; part < kWidth; part += kLanes) {
+        Mask all = first_lanes(kLanes);
+        for (int k = 0; k < 3; ++k) {
+            all = all & (load(boxes[0][k] + part) <= Floats(others[1][k][j])) & (load(boxes[1][k] + part) >= Floats(others[0][k][j]));
+        }
+        met |= bits(all) << part;
+    }
+    return met;
+}
+
+/// How far box j of the others reaches into those of the boxes whose bits are set, at most: the least overlap along an axis.
+HWY_INLINE float greatest_depth(const Bounds& boxes, const Bounds& others, std::size_t j, unsigned among) {
+    float greatest = 0.0f;
+    for (int part = 0; part < kWidth; part += kLanes) {
+        Floats depth(3e38f);
+        for (int k = 0; k < 3; ++k) {
+            depth = min(depth, min(load(boxes[1][k] + part), Floats(others[1][k][j])) - max(load(boxes[0][k] + part), Floats(others[0][k][j])));
+        }
+        alignas(64) float lanes[kLanes];
+        store(depth, lanes);
+        for (unsigned rest = (among >> part) & ((1u << kLanes) - 1u); rest != 0; rest &= rest - 1) {
+            greatest = std::max(greatest, lanes[std::countr_zero(rest)]);
+        }
+    }
+    return greatest;
+}
+
+/// Triangles of a leaf with what tells others apart from them, the planes only where they are wanted.
+struct alignas(64) Described {
+    Bounds box;                   ///< grown by the margin
+    float corner[3][3][kWidth];   ///< [corner][x, y, z]
+    float normal[3][kWidth];
+    float longest;                ///< edge of a box, margin included
+    bool has_planes = false;
+
+    HWY_INLINE void set(const WideLeaf& leaf, const float (&vertex)[3][kWidth], float margin) {
+        Floats length(0.0f);
+        const Floats m(margin);
+        for (int axis = 0; axis < 3; ++axis) {
+            Table16 table;
+            for (int p = 0; p < kParts; ++p) table.set(p, load(vertex[axis] + p * kLanes));
+            for (int part = 0; part < kWidth; part += kLanes) {
+                Floats p[3];
+                for (int k = 0; k < 3; ++k) {
+                    p[k] = Picks(leaf.corner[k] + part)(table);
+                    store(p[k], corner[k][axis] + part);
+                }
+                const Floats lower = min(min(p[0], p[1]), p[2]) - m;
+                const Floats upper = max(max(p[0], p[1]), p[2]) + m;
+                length = max(length, upper - lower);
+                store(lower, box[0][axis] + part);
+                store(upper, box[1][axis] + part);
+            }
+        }
+        longest = greatest_lane(length);
+        has_planes = false;
+    }
+
+    HWY_INLINE void set_planes() {
+        if (has_planes) return;
+        has_planes = true;
+        for (int part = 0; part < kWidth; part += kLanes) {
+            const auto at = [&](int k) HWY_ATTR {
+                return Floats3{load(corner[k][0] + part), load(corner[k][1] + part), load(corner[k][2] + part)};
+            };
+            const Floats3 n = cross(at(1) - at(0), at(2) - at(0));
+            store(n.x, normal[0] + part);
+            store(n.y, normal[1] + part);
+            store(n.z, normal[2] + part);
+        }
+    }
+};
+
+/// The bound of wide_pairs.hpp, for planes of triangles with boxes up to `plane` long.
+HWY_INLINE float doubt_of(float plane, float other, float margin, float largest) {
+    const float d = 2.0f * margin + 0x1p-23f * largest;
+    const float l = 1.7321f * plane, w = 1.7321f * (plane + other + 4.0f * margin);
+    return 1.01f * (2.0f * d * (2.0f * w * l + l * l) + 6.0f * d * d * (2.0f * l + w) + 6.0f * d * d * d + 0x1p-20f * l * l * w);
+}
+
+/// The lanes of `mine`, of one part, that no plane parts from triangle j of `other`.
+HWY_INLINE Mask not_parted(const Described& mine, int part, const Described& other, std::size_t j, Floats doubt_mine, Floats doubt_other) {
+    Floats low(3e38f), high(-3e38f), low_mine(3e38f), high_mine(-3e38f);
+    for (std::size_t k = 0; k < 3; ++k) {
+        Floats above(0.0f), above_mine(0.0f);
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            above += Floats(other.normal[axis][j]) * (load(mine.corner[k][axis] + part) - Floats(other.corner[0][axis][j]));
+            above_mine += load(mine.normal[axis] + part) * (Floats(other.corner[k][axis][j]) - load(mine.corner[0][axis] + part));
+        }
+        low = min(low, above);
+        high = max(high, above);
+        low_mine = min(low_mine, above_mine);
+        high_mine = max(high_mine, above_mine);
+    }
+    return (low <= doubt_other) & (high >= -doubt_other) & (low_mine <= doubt_mine) & (high_mine >= -doubt_mine);
+}
+
+/// The vertices of a leaf of b in the frame of a.
+HWY_INLINE void place_vertices(const WideLeaf& leaf, const float (&to)[3][4], float (&out)[3][kWidth]) {
+    for (int row = 0; row < 3; ++row) {
+        for (int part = 0; part < kWidth; part += kLanes) {
+            Floats sum(to[row][3]);
+            for (int k = 0; k < 3; ++k) sum += Floats(to[row][k]) * load(leaf.vertex[k] + part);
+            store(sum, out[row] + part);
+        }
+    }
+}
+
+/// @return whether any triangles may meet; then `pair.partners` says which.
+HWY_INLINE bool find_partners(Described& first, Described& second, const WidePlacement& placement, LeafPair& pair) {
+    const unsigned there = (1u << pair.a.triangle_count) - 1u;
+    unsigned some = 0;
+    for (std::size_t j = 0; j < pair.b.triangle_count; ++j) {
+        pair.partners[j] = overlapping(first.box, second.box, j) & there;
+        some |= pair.partners[j];
+    }
+    if (some == 0) return false;
+    first.set_planes();
+    second.set_planes();
+    const Floats doubt_a(doubt_of(first.longest, second.longest, placement.margin_a, placement.largest));
+    const Floats doubt_b(doubt_of(second.longest, first.longest, placement.margin_a, placement.largest));
+    some = 0;
+    for (std::size_t j = 0; j < pair.b.triangle_count; ++j) {
+        if (pair.partners[j] == 0) continue;
+        unsigned left = 0;
+        for (int part = 0; part < kWidth; part += kLanes) {
+            left |= bits(not_parted(first, part, second, j, doubt_a, doubt_b)) << part;
+        }
+        pair.partners[j] &= left;
+        some |= pair.partners[j];
+    }
+    return some != 0;
+}
+
+/// The children of a node, or a leaf as its own only child.
+struct Side {
+    const Bounds* bound;
+    const WideRef* child;
+    std::size_t count;
+};
+
+struct PairEntry {
+    WideRef a, b;
+};
+
+/// The box of a leaf's vertices, in lane 0; the other lanes have none.
+HWY_INLINE void bound_leaf(const WideLeaf& leaf, Bounds& out) {
+    for (int axis = 0; axis < 3; ++axis) {
+        Floats lower(load(leaf.vertex[axis])), upper(lower);
+        for (int part = kLanes; part < kWidth; part += kLanes) {
+            lower = min(lower, load(leaf.vertex[axis] + part));
+            upper = max(upper, load(leaf.vertex[axis] + part));
+        }
+        for (int part = 0; part < kWidth; part += kLanes) {
+            store(Floats(std::numeric_limits<float>::infinity()), out[0][axis] + part);
+            store(Floats(-std::numeric_limits<float>::infinity()), out[1][axis] + part);
+        }
+        out[0][axis][0] = least_lane(lower);
+        out[1][axis][0] = greatest_lane(upper);
+    }
+}
+
+HWY_INLINE Side side_of(const WideBvh& tree, const WideRef& ref, Bounds& own) {
+    if (is_leaf(ref)) {
+        bound_leaf(tree.leaf(ref), own);
+        return {&own, &ref, 1};
+    }
+    const WideNode& node = tree.node(ref);
+    return {&node.bound, node.child, static_cast<std::size_t>(child_count(node))};
+}
+
+void descend(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, LeafPairVisit visit) {
+    std::vector<PairEntry> stack;
+    stack.reserve(1024);
+    stack.push_back({WideBvh::root(), WideBvh::root()});
+    alignas(64) Bounds own_a, own_b, a_in_b, b_in_a;
+    Described first_leaf, second_leaf;
+    WideRef described_a = 0, described_b = 0;  // leaves are below zero
+    while (!stack.empty()) {
+        const PairEntry here = stack.back();
+        stack.pop_back();
+        if (is_leaf(here.a) && is_leaf(here.b)) {
+            LeafPair pair{a.leaf(here.a), b.leaf(here.b), {}};
+            if (here.a != described_a) first_leaf.set(pair.a, pair.a.vertex, placement.margin_a);
+            if (here.b != described_b) {
+                alignas(64) float vertex[3][kWidth];
+                place_vertices(pair.b, placement.to_a, vertex);
+                second_leaf.set(pair.b, vertex, placement.margin_a);
+            }
+            described_a = here.a;
+            described_b = here.b;
+            if (find_partners(first_leaf, second_leaf, placement, pair) && !visit(pair)) return;
+            continue;
+        }
+        const Side first = side_of(a, here.a, own_a), second = side_of(b, here.b, own_b);
+        place_boxes(*first.bound, placement.to_b, placement.margin_b, a_in_b);
+        place_boxes(*second.bound, placement.to_a, placement.margin_a, b_in_a);
+        std::size_t deepest = stack.size();
+        float depth = -1.0f;
+        for (std::size_t j = 0; j < second.count; ++j) {
+            unsigned met = overlapping(*first.bound, b_in_a, j) & overlapping(a_in_b, *second.bound, j);
+            if (met == 0) continue;
+            const float here_depth = greatest_depth(*first.bound, b_in_a, j, met);
+            if (here_depth > depth) {
+                depth = here_depth;
+                deepest = stack.size();
+            }
+            for (; met != 0; met &= met - 1) stack.push_back({first.child[std::countr_zero(met)], second.child[j]});
+        }
+        if (depth >= 0.0f) std::swap(stack[deepest], stack.back());
+    }
+}
+
+}  // namespace
+}  // namespace carom::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace carom {
+namespace {
+
+HWY_EXPORT(descend);
+
+struct DoubleBox {
+    dvec3 lower, upper;
+};
+
+bool overlap(const DoubleBox& a, const DoubleBox& b) noexcept {
+    return glm::all(glm::lessThanEqual(a.lower, b.upper)) && glm::all(glm::lessThanEqual(b.lower, a.upper));
+}
+
+/// Around a box of b's tree at its place, grown by a share of its size.
+DoubleBox placed(const DoubleBox& box, const WidePlacement& placement) noexcept {
+    DoubleBox out{dvec3{1e308}, dvec3{-1e308}};
+    for (int corner = 0; corner < 8; ++corner) {
+        const dvec3 p{(corner & 1) != 0 ? box.upper.x : box.lower.x, (corner & 2) != 0 ? box.upper.y : box.lower.y,
+                      (corner & 4) != 0 ? box.upper.z : box.lower.z};
+        const dvec3 q = transform_point(placement.pose, placement.metres * p) * placement.units;
+        out.lower = glm::min(out.lower, q);
+        out.upper = glm::max(out.upper, q);
+    }
+    const dvec3 size = glm::max(glm::abs(out.lower), glm::abs(out.upper)) + glm::abs(placement.pose.position) * placement.units;
+    const dvec3 margin = dvec3{0x1p-46 * std::max({size.x, size.y, size.z})};
+    return {out.lower - margin, out.upper + margin};
+}
+
+struct Child {
+    WideRef ref;
+    DoubleBox box;
+};
+
+std::vector<Child> children_of(const WideBvh& tree, const Child& parent) {
+    if (is_leaf(parent.ref)) return {parent};
+    const WideNode& node = tree.node(parent.ref);
+    std::vector<Child> children;
+    for (std::size_t k = 0; k < static_cast<std::size_t>(child_count(node)); ++k) {
+        const auto at = [&](int side) { return dvec3{vec3{node.bound[side][0][k], node.bound[side][1][k], node.bound[side][2][k]}}; };
+        children.push_back({node.child[k], {at(0), at(1)}});
+    }
+    return children;
+}
+
+}  // namespace
+
+dvec3 WidePlacement::place(float x, float y, float z) const noexcept {
+    const dvec3 corner = metres * dvec3{vec3{x, y, z}};
+    dvec3 p = units * transform_point(pose, corner);
+    for (int k = 0; k < 3; ++k) p[k] = std::abs(p[k]) < 0x1p-300 ? 0.0 : p[k];
+    return p;
+}
+
+bool place(const WideBvh& a, const WideBvh& b, const Pose& b_in_a, WidePlacement& out) noexcept {
+    if (!is_finite(b_in_a)) return false;
+    out.pose = b_in_a;
+    out.units = static_cast<double>(a.scale);
+    out.metres = 1.0 / static_cast<double>(b.scale);
+    const DoubleBox whole_a{dvec3{a.lower}, dvec3{a.upper}};
+    if (!overlap(whole_a, placed({dvec3{b.lower}, dvec3{b.upper}}, out))) return false;
+
+    const double ratio = out.units * out.metres;
+    glm::dmat3 turn{rotate(b_in_a.orientation, dvec3{1.0, 0.0, 0.0}), rotate(b_in_a.orientation, dvec3{0.0, 1.0, 0.0}),
+                    rotate(b_in_a.orientation, dvec3{0.0, 0.0, 1.0})};
+    const glm::dmat3 back = glm::inverse(turn);
+    const dvec3 shift = out.units * b_in_a.position, shift_back = -(back * b_in_a.position) / out.metres;
+    const auto largest = [](const dvec3& x, const dvec3& y) {
+        const dvec3 size = glm::max(glm::abs(x), glm::abs(y));
+        return std::max({size.x, size.y, size.z});
+    };
+    const double of_a = largest(dvec3{a.lower}, dvec3{a.upper}), of_b = ratio * largest(dvec3{b.lower}, dvec3{b.upper});
+    const double size = std::max(of_a, of_b);
+    out.too_unlike = !(of_a > 0x1p-40 * size && of_b > 0x1p-40 * size && size < 0x1p30 && size > 0x1p-30);
+    if (out.too_unlike) return true;
+    for (int row = 0; row < 3; ++row) {
+        for (int k = 0; k < 3; ++k) {
+            out.to_a[row][k] = static_cast<float>(ratio * turn[k][row]);
+            out.to_b[row][k] = static_cast<float>(back[k][row] / ratio);
+        }
+        out.to_a[row][3] = static_cast<float>(shift[row]);
+        out.to_b[row][3] = static_cast<float>(shift_back[row]);
+    }
+    out.largest = static_cast<float>(size);
+    out.margin_a = 0x1p-20f * static_cast<float>(size + largest(shift, shift));
+    out.margin_b = 0x1p-20f * static_cast<float>(size / ratio + largest(shift_back, shift_back));
+    return true;
+}
+
+void visit_leaf_pairs(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, LeafPairVisit visit) {
+    if (placement.too_unlike) {
+        visit_leaf_pairs_in_double(a, b, placement, visit);
+    } else {
+        HWY_DYNAMIC_DISPATCH(descend)(a, b, placement, visit);
+    }
+}
+
+void visit_leaf_pairs_in_double(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, LeafPairVisit visit) {
+    std::vector<std::pair<Child, Child>> stack{{{WideBvh::root(), {dvec3{a.lower}, dvec3{a.upper}}},
+                                                {WideBvh::root(), {dvec3{b.lower}, dvec3{b.upper}}}}};
+    while (!stack.empty()) {
+        const auto [first, second] = stack.back();
+        stack.pop_back();
+        if (is_leaf(first.ref) && is_leaf(second.ref)) {
+            LeafPair pair{a.leaf(first.ref), b.leaf(second.ref), {}};
+            std::fill_n(pair.partners, pair.b.triangle_count, (1u << pair.a.triangle_count) - 1u);
+            if (!visit(pair)) return;
+            continue;
+        }
+        for (const Child& y : children_of(b, second)) {
+            const DoubleBox box = placed(y.box, placement);
+            for (const Child& x : children_of(a, first)) {
+                if (overlap(x.box, box)) stack.push_back({x, y});
+            }
+        }
+    }
+}
+
+}  // namespace carom
+#endif

@@ -1,0 +1,59 @@
+// Two wide hierarchies descended together.
+//
+//   WidePlacement placement;
+//   if (place(a, b, b_in_a, placement)) visit_leaf_pairs(a, b, placement, [&](const LeafPair& pair) { ...; return true; });
+//
+// Write u = 2^-24, X for the largest coordinate of either tree and T for the largest coordinate of the translation, all in the
+// coordinates that are worked in. Coordinates of the other mesh are mapped by three products and three sums in float; with the
+// rounding of the map itself a coordinate is wrong by 6 u (sqrt(3) X + T) at most. The margin m = 16 u (X + T) is more than that.
+//
+// Planes. Of triangles whose boxes overlap every corner of one lies within W = sqrt(3) (A + B + 4 m) of each corner of the other, A and B
+// the longest edges of boxes of triangles in the two leaves. The determinant e × f · w of edges e, f up to L = sqrt(3) B long and w up to
+// W is computed from differences that are wrong by d = 2 m + 2 u X in each component, and with rounding errors of 16 u L² W: together
+// by less than 2 d (2 W L + L²) + 6 d² (2 L + W) + 6 d³ + 16 u L² W. Only what is farther off a plane than that is parted by it.
+#pragma once
+
+#include <carom/collision/detail/wide_bvh.hpp>
+#include <carom/core/function_ref.hpp>
+#include <carom/core/pose.hpp>
+
+#include <cstdint>
+
+namespace carom {
+
+/// Where mesh b lies in the tree coordinates of mesh a, and the other way round.
+struct WidePlacement {
+    float to_a[3][4];  ///< [row][x, y, z, translation]
+    float to_b[3][4];
+    float margin_a;    ///< m of the header, in the frame of a, and of b
+    float margin_b;
+    float largest;     ///< X, in the frame of a
+    bool too_unlike;   ///< in size, for float: visit_leaf_pairs then works in double, box by box
+    double metres;     ///< of a unit of b's tree
+    double units;      ///< of a's tree, of a metre
+    Pose pose;
+
+    /// @return the place of a corner of b's tree in a's tree coordinates: transform_point(pose, corner), but zero for what is below
+    /// 2^-300.
+    [[nodiscard]] dvec3 place(float x, float y, float z) const noexcept;
+};
+
+/// @return false where the two cannot meet, and where the pose is not finite.
+[[nodiscard]] bool place(const WideBvh& a, const WideBvh& b, const Pose& b_in_a, WidePlacement& out) noexcept;
+
+/// Triangles of two leaves that neither their boxes nor their planes part: of triangle j of leaf b those of `partners[j]` of leaf a.
+struct LeafPair {
+    const WideLeaf& a;
+    const WideLeaf& b;
+    std::uint32_t partners[kWidth];
+};
+using LeafPairVisit = FunctionRef<bool(const LeafPair&)>;
+
+/// Calls `visit` for every pair of leaves with a pair of triangles that may meet, until it returns false.
+void visit_leaf_pairs(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, LeafPairVisit visit);
+
+/// The same box by box in double, leaving only boxes to part what does not meet: for sizes that float cannot hold together, and to
+/// compare with.
+void visit_leaf_pairs_in_double(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, LeafPairVisit visit);
+
+}  // namespace carom
