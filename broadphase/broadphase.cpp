@@ -18,8 +18,10 @@ using detail::kNowhere;
 namespace {
 
 constexpr std::size_t kMostSlots = (std::size_t{1} << 28) - 1;
-// The scene is looked at again after so many updates, or once its size has changed by a quarter.
-constexpr int kUpdatesACheck = 32;
+// The scene is looked at again after so many updates, or once its size has changed by a quarter or the share that moves by half; each
+// look that changes nothing makes the time to the next one twice as long.
+constexpr int kFewUpdatesACheck = 32, kMostUpdatesACheck = 128;
+constexpr double kShareChanged = 1.5, kSmallShare = 0.01;
 constexpr double kMemory = 0.9;  // of the moving share, from update to update
 constexpr std::size_t kMostPairs = std::size_t{1} << 31;
 
@@ -34,16 +36,16 @@ bool is_finite_box(const FloatAabb& box) noexcept {
     return sum - sum == 0.0;
 }
 
-std::unique_ptr<detail::Method> make_method(BroadphaseMethod method) {
+std::unique_ptr<detail::Method> make_method(BroadphaseMethod method, double cell_scale) {
     switch (method) {
         case BroadphaseMethod::SweepAndPrune:
             return detail::make_sweep_and_prune();
         case BroadphaseMethod::SortedAxes:
             return detail::make_sorted_axes();
         case BroadphaseMethod::UniformGrid:
-            return detail::make_uniform_grid();
+            return detail::make_uniform_grid(cell_scale);
         case BroadphaseMethod::HierarchicalGrid:
-            return detail::make_hierarchical_grid();
+            return detail::make_hierarchical_grid(cell_scale);
         case BroadphaseMethod::DynamicTree:
             return detail::make_dynamic_tree();
         default:
@@ -76,7 +78,7 @@ struct Broadphase::Impl {
     void choose();
     void use(BroadphaseMethod wanted) {
         in_use = wanted;
-        method = make_method(wanted);
+        method = make_method(wanted, settings.cell_scale);
         built = false;
     }
 
@@ -95,7 +97,7 @@ struct Broadphase::Impl {
     MethodChoice choice;    // why this method
     SceneStatistics scene;  // when it was chosen, or last confirmed
     double moving_share = 1.0;
-    int updates_since_check = 0;
+    int updates_since_check = 0, updates_a_check = kFewUpdatesACheck;
     std::size_t count_at_check = 0;
     BroadphaseMethod wanted_before = BroadphaseMethod::Automatic;  // by the check before; Automatic: there was none
     [[nodiscard]] bool is_undecided() const noexcept {
@@ -112,14 +114,22 @@ void Broadphase::Impl::choose() {
     else if (table.live_count != 0)
         moving_share = kMemory * moving_share + (1.0 - kMemory) * static_cast<double>(moved.size()) / live;
     const bool grown = live > 1.25 * then || live < 0.75 * then;
-    if (++updates_since_check < kUpdatesACheck && !grown) return;
+    const double share = moving_share + kSmallShare, share_then = scene.moving_share + kSmallShare;
+    const bool changed_pace = share > kShareChanged * share_then || kShareChanged * share < share_then;
+    ++updates_since_check;
+    const bool due = updates_since_check >= (changed_pace ? kFewUpdatesACheck : updates_a_check);
+    if (!due && !grown) return;
     updates_since_check = 0;
     count_at_check = table.live_count;
-    const SceneStatistics now = measure(table.boxes, table.alive, moving_share);
-    const MethodChoice best = choose_method(now, in_use);
+    const BroadphaseMethod current = first ? BroadphaseMethod::Automatic : in_use;  // nothing to stay with yet
+    const bool few = is_few(table.live_count, current);                             // then nothing else is looked at
+    const SceneStatistics now =
+        few ? SceneStatistics{.count = table.live_count, .moving_share = moving_share} : measure(table.boxes, table.alive, moving_share);
+    const MethodChoice best = choose_method(now, current);
     // Two checks in a row must agree, but for scenes that have just changed size.
     const bool agreed = grown || wanted_before == best.method;
     wanted_before = best.method;
+    updates_a_check = best.method == in_use ? std::min(2 * updates_a_check, kMostUpdatesACheck) : kFewUpdatesACheck;
     if (best.method != in_use && agreed) use(best.method);
     if (best.method != in_use) return;
     choice = best;
@@ -298,6 +308,11 @@ Broadphase::Broadphase(const BroadphaseSettings& settings) : impl_(std::make_uni
         impl_->settings.pair_limit = std::clamp(settings.pair_limit, std::size_t{1}, kMostPairs);
         report_error(ErrorCode::InvalidArgument, "pair_limit must be in 1..2^31");
     }
+    constexpr double kMostCellScale = 16.0;
+    if (!(settings.cell_scale >= 1.0 / kMostCellScale && settings.cell_scale <= kMostCellScale)) {
+        impl_->settings.cell_scale = settings.cell_scale > 1.0 ? kMostCellScale : (settings.cell_scale < 1.0 ? 1.0 / kMostCellScale : 1.0);
+        report_error(ErrorCode::InvalidArgument, "cell_scale must be in 1/16..16");
+    }
     const bool automatic = impl_->settings.method == BroadphaseMethod::Automatic;
     impl_->use(automatic ? BroadphaseMethod::BruteForce : impl_->settings.method);
 }
@@ -361,13 +376,24 @@ void Broadphase::visit_where(FunctionRef<bool(const FloatAabb&)> touches, Functi
     if (impl_->built) impl_->method->visit_where(impl_->table, touches, visit);
 }
 
+void Broadphase::visit_along(const SweepPath& path, FunctionRef<bool(const FloatAabb&)> touches,
+                             FunctionRef<bool(std::uint32_t)> visit) const {
+    if (impl_->built) impl_->method->visit_along(impl_->table, path, touches, visit);
+}
+
+void Broadphase::visit_parts(FunctionRef<void(const BroadphasePart&)> visit) const {
+    if (impl_->built) impl_->method->visit_parts(impl_->table, visit);
+}
+
+void Broadphase::visit_ends(FunctionRef<void(const BroadphaseEnd&)> visit) const {
+    if (impl_->built) impl_->method->visit_ends(impl_->table, visit);
+}
+
 FloatAabb Broadphase::box(std::uint32_t slot) const noexcept {
     return slot < impl_->table.boxes.size() ? impl_->table.boxes[slot] : kNowhere;
 }
 
-BroadphaseMethod Broadphase::method() const noexcept {
-    return impl_->is_undecided() ? BroadphaseMethod::Automatic : impl_->in_use;
-}
+BroadphaseMethod Broadphase::method() const noexcept { return impl_->is_undecided() ? BroadphaseMethod::Automatic : impl_->in_use; }
 std::size_t Broadphase::live_count() const noexcept { return impl_->table.live_count; }
 
 std::size_t Broadphase::memory() const noexcept {

@@ -30,6 +30,8 @@ struct BroadphaseSettings {
     /// No more pairs than this are kept; memory stays in proportion to it. 1 .. 2^31.
     std::size_t pair_limit = std::size_t{1} << 27;
     PairCallback callback{};
+    /// Edges of the grids' cells, in units of those that they would choose: changes times, never pairs. 1/16 .. 16.
+    double cell_scale = 1.0;
 };
 
 /// What changed since the update before. A slot is the caller's stable name of a box; it comes alive when it is first listed as
@@ -54,6 +56,21 @@ struct PairUpdate {
     std::span<const ProxyPair> ended;  ///< the other way round; of removed slots too
     PairStatus status = PairStatus::Complete;
     std::uint32_t complete_below = 0;  ///< pairs whose `a` is below this are all listed
+};
+
+/// A part of what a method keeps, for pictures: a cell of a grid with boxes in it, or a node of a tree.
+struct BroadphasePart {
+    FloatAabb box{};        ///< of a cell: where the lower corners of its boxes are, but for those beyond the grid, which its outermost cells have
+    int level = 0;          ///< of the grid, ascending with the size of boxes; of a node: steps from the root
+    std::size_t count = 0;  ///< boxes in the cell, or in the node itself: 1 for a leaf, else 0
+};
+
+/// An end of a box on an axis along which a method keeps the ends sorted.
+struct BroadphaseEnd {
+    int axis = 0;  ///< 0, 1, 2
+    float value = 0.0f;
+    bool is_upper = false;
+    std::uint32_t slot = 0;
 };
 
 /// Finds the pairs of boxes that overlap and whose filters agree, and keeps them up to date as the boxes move.
@@ -87,8 +104,19 @@ public:
     /// must be true of every region that holds a box of which it is true; regions may be open, with bounds at infinity.
     /// queries.hpp has the usual shapes. After update; const, so any number of threads may ask at once.
     void visit_where(FunctionRef<bool(const FloatAabb& region)> touches, FunctionRef<bool(std::uint32_t slot)> visit) const;
+    /// The same where only boxes count that the path meets: `touches` implies it. Grids walk along the path, so boxes come roughly in the
+    /// order in which it meets them; `visit` may make path.t_max less, and what lies beyond is then left out.
+    void visit_along(const SweepPath& path, FunctionRef<bool(const FloatAabb& region)> touches,
+                     FunctionRef<bool(std::uint32_t slot)> visit) const;
     /// The box of a live slot, as it was passed in; of any other a box that touches nothing.
     [[nodiscard]] FloatAabb box(std::uint32_t slot) const noexcept;
+
+    /// What the method keeps at the moment: the occupied cells of grids, the nodes of the tree, parents first. Nothing with other methods.
+    /// Made on the spot from what is there; nothing is stored for it.
+    void visit_parts(FunctionRef<void(const BroadphasePart& part)> visit) const;
+    /// The sorted ends of the axes along which a method keeps some, axis by axis, ascending: all of sorted_axes, the lower ones along the
+    /// axis that sweep_and_prune swept last.
+    void visit_ends(FunctionRef<void(const BroadphaseEnd& end)> visit) const;
 
     /// The method in use: the one asked for, or the one chosen for the scene as it stands; Automatic before the first update.
     [[nodiscard]] BroadphaseMethod method() const noexcept;

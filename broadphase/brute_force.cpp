@@ -11,17 +11,20 @@ constexpr std::size_t kRowsAPiece = 64;
 constexpr std::size_t kMoversAPiece = 16;
 constexpr int kAxes[3] = {0, 1, 2};
 
-// Entries stand in the order of slots; free slots hold a box that overlaps nothing.
+// Entries stand in no order: the last one takes the place of one that goes.
 class BruteForce final : public Method {
 public:
     [[nodiscard]] bool prefers_all(const ProxyTable& table, const ChangeLists& changes) const noexcept override {
-        return 2 * (changes.moved.size() + changes.inserted.size()) > table.boxes.size();
+        return 2 * (changes.moved.size() + changes.inserted.size()) > table.live_count;
     }
 
     void find_all(const ProxyTable& table, Executor& executor, PairPieces& out) override {
-        const std::size_t n = table.boxes.size();
-        entries_.grow(n + Entries::kSentinels);
-        for (std::size_t i = 0; i < n; ++i) set(table, static_cast<std::uint32_t>(i), 0);
+        make_room(table);
+        count_ = 0;
+        for (std::size_t slot = 0; slot < table.boxes.size(); ++slot) {
+            if (table.alive[slot] != 0) append(table, static_cast<std::uint32_t>(slot), 0);
+        }
+        const std::size_t n = count_;
         entries_.close(n);
         const std::size_t pieces = (n + kRowsAPiece - 1) / kRowsAPiece;
         out.begin(pieces, out.limit());
@@ -34,15 +37,15 @@ public:
     }
 
     void find_moved(const ProxyTable& table, const ChangeLists& changes, Executor& executor, PairPieces& out) override {
-        const std::size_t n = table.boxes.size();
-        entries_.grow(n + Entries::kSentinels);
-        entries_.close(n);
+        for (const std::uint32_t slot : changes.removed) remove(slot);
+        make_room(table);
+        for (const std::uint32_t slot : changes.moved) set(table, place_[slot], slot, kMoved);
+        for (const std::uint32_t slot : changes.inserted) append(table, slot, kMoved);
+        entries_.close(count_);
         movers_.clear();
-        for (const std::uint32_t slot : changes.removed) set(table, slot, 0);
         for (const auto& list : {changes.moved, changes.inserted}) {
             for (const std::uint32_t slot : list) {
-                set(table, slot, kMoved);
-                movers_.push_back(mover(table.boxes[slot], table.previous[slot], kAxes, static_cast<Tag>(entries_.tag[slot])));
+                movers_.push_back(mover(table.boxes[slot], table.previous[slot], kAxes, static_cast<Tag>(entries_.tag[place_[slot]])));
             }
         }
         const std::size_t pieces = (movers_.size() + kMoversAPiece - 1) / kMoversAPiece;
@@ -50,11 +53,12 @@ public:
         executor.parallel_for(pieces, 1, [&](std::size_t begin, std::size_t end) {
             for (std::size_t k = begin; k < end && !out.is_full(); ++k) {
                 const std::size_t first = k * kMoversAPiece;
-                find_begun(entries_, n, std::span(movers_).subspan(first, std::min(kMoversAPiece, movers_.size() - first)), out[k]);
+                const std::size_t count = std::min(kMoversAPiece, movers_.size() - first);
+                find_begun(entries_, count_, std::span(movers_).subspan(first, count), out[k]);
                 out.found(out[k].size());
             }
         });
-        for (const Mover& m : movers_) entries_.tag[m.tag & kIndexMask] &= ~static_cast<std::int32_t>(kMoved);
+        for (const Mover& m : movers_) entries_.tag[place_[m.tag & kIndexMask]] &= ~static_cast<std::int32_t>(kMoved);
     }
 
     void visit_near(const ProxyTable& table, const FloatAabb& box, FunctionRef<bool(std::uint32_t)> visit) const override {
@@ -63,14 +67,35 @@ public:
         }
     }
 
-    [[nodiscard]] std::size_t memory() const noexcept override { return entries_.memory() + sizeof(Mover) * movers_.capacity(); }
+    [[nodiscard]] std::size_t memory() const noexcept override {
+        return entries_.memory() + sizeof(Mover) * movers_.capacity() + sizeof(std::uint32_t) * place_.capacity();
+    }
 
 private:
-    void set(const ProxyTable& table, std::uint32_t slot, Tag more) noexcept {
-        entries_.set(slot, table.boxes[slot], kAxes, slot | more | (table.movable[slot] != 0 ? 0 : kImmovable));
+    void make_room(const ProxyTable& table) {
+        entries_.grow(table.live_count + Entries::kSentinels);
+        place_.resize(table.boxes.size());
+    }
+    void set(const ProxyTable& table, std::uint32_t at, std::uint32_t slot, Tag more) noexcept {
+        entries_.set(at, table.boxes[slot], kAxes, slot | more | (table.movable[slot] != 0 ? 0 : kImmovable));
+    }
+    void append(const ProxyTable& table, std::uint32_t slot, Tag more) noexcept {
+        place_[slot] = count_;
+        set(table, count_++, slot, more);
+    }
+    void remove(std::uint32_t slot) noexcept {
+        const std::uint32_t at = place_[slot], last = --count_;
+        for (int k = 0; k < 3; ++k) {
+            entries_.lower[k][at] = entries_.lower[k][last];
+            entries_.upper[k][at] = entries_.upper[k][last];
+        }
+        entries_.tag[at] = entries_.tag[last];
+        place_[static_cast<Tag>(entries_.tag[at]) & kIndexMask] = at;
     }
 
     Entries entries_;
+    std::uint32_t count_ = 0;
+    std::vector<std::uint32_t> place_;  // of each live slot
     std::vector<Mover> movers_;
 };
 

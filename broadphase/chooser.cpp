@@ -2,65 +2,94 @@
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
+#include <utility>
 
 namespace carom {
 namespace {
 
-constexpr int kCoarse = 8;  // cells an axis of the coarse grid
-constexpr std::size_t kFewBoxes = 200;
-constexpr double kClumped = 0.4;  // fill below this
-constexpr double kSparseLine = 50.0;
-constexpr double kFewMove = 0.15, kMostMove = 0.5;
-constexpr double kManySizes = 6.0;  // p99 over median
-constexpr double kLargeSize = 4.0;  // largest over median
-constexpr double kStay = 1.25;      // how far beyond a threshold a scene must be to leave the method it has
+constexpr std::size_t kSample = 1024;  // boxes that stand for all
+constexpr int kCoarse = 16;            // cells an axis of the coarse grid
+constexpr std::size_t kFewBoxes = 500;
+constexpr double kClumped = 0.5;  // fill below this
+constexpr double kSparseLine = 40.0;
+constexpr double kFewMove = 0.15, kManyMove = 0.25;  // the grids are built anew from the latter on
+constexpr double kLargeSize = 4.0;                   // largest over median
+constexpr double kLargeCrowd = 150.0;
+constexpr double kStay = 1.25;  // how far beyond a threshold a scene must be to leave the method it has
 
 double longest_edge(const FloatAabb& box) noexcept {
     const dvec3 edges = dvec3(box.upper) - dvec3(box.lower);
     return std::max(edges.x, std::max(edges.y, edges.z));
 }
 
-// Quarters of octaves, by the float's own bits: they ascend with the value.
-std::size_t size_class(double edge) noexcept { return std::bit_cast<std::uint32_t>(static_cast<float>(edge)) >> 21; }
-double size_of(std::size_t size_class) noexcept {
-    return double(std::bit_cast<float>(static_cast<std::uint32_t>(size_class << 21 | 1u << 20)));
-}
-
-struct Extent {
-    double origin = 0.0, mean = 0.0, length = 0.0;
+// Live slots that stand for all, chosen by a hash of the slot, so that no order of the boxes shows.
+struct Sample {
+    std::array<std::uint32_t, kSample + kSample / 4> slots;
+    std::size_t count = 0;
 };
 
-Extent extent_along(int axis, std::span<const FloatAabb> boxes, std::span<const unsigned char> alive) noexcept {
-    double sum = 0.0, squares = 0.0, n = 0.0, origin = 0.0;
-    for (std::size_t i = 0; i < boxes.size(); ++i) {
-        if (alive[i] == 0) continue;
-        if (n == 0.0) origin = double(boxes[i].lower[axis]);
-        const double x = double(boxes[i].lower[axis]) - origin;
-        sum += x;
-        squares += x * x;
-        n += 1.0;
+Sample draw(std::span<const unsigned char> alive, std::size_t live) noexcept {
+    Sample sample;
+    const double share = std::min(static_cast<double>(kSample) / static_cast<double>(live), 1.0);
+    const auto below = static_cast<std::uint64_t>(share * 0x1p32);
+    for (std::size_t i = 0; i < alive.size() && sample.count < sample.slots.size(); ++i) {
+        const auto slot = static_cast<std::uint32_t>(i);
+        if (alive[i] != 0 && (slot + 1u) * 0x9e3779b1u < below) sample.slots[sample.count++] = slot;
     }
-    const double mean = sum / n;
-    // An even spread has this length.
-    return {origin, origin + mean, std::sqrt(12.0 * std::max(squares / n - mean * mean, 0.0))};
+    return sample;
+}
+
+// The value that a share of the values is below (Hoare 1961, "Find"). What it is does not depend on how it is found.
+double quantile(std::span<float> values, double share) noexcept {
+    const auto wanted = static_cast<std::ptrdiff_t>(share * static_cast<double>(values.size() - 1));
+    std::ptrdiff_t first = 0, last = static_cast<std::ptrdiff_t>(values.size()) - 1;
+    const auto at = [&](std::ptrdiff_t i) -> float& { return values[static_cast<std::size_t>(i)]; };
+    while (first < last) {
+        const float pivot = at(first + (last - first) / 2);
+        std::ptrdiff_t i = first, j = last;
+        while (i <= j) {
+            while (at(i) < pivot) ++i;
+            while (pivot < at(j)) --j;
+            if (i <= j) std::swap(at(i++), at(j--));
+        }
+        if (wanted <= j)
+            last = j;
+        else if (wanted >= i)
+            first = i;
+        else
+            break;
+    }
+    return double(at(wanted));
+}
+
+// Where most lower corners lie on an axis. Quantiles, not moments: one box far away says nothing about the others.
+struct Extent {
+    double middle = 0.0, length = 0.0;
+};
+
+Extent extent_along(int axis, std::span<const FloatAabb> boxes, const Sample& sample) noexcept {
+    constexpr double kTail = 0.02;
+    std::array<float, kSample + kSample / 4> store;
+    const std::span<float> values(store.data(), sample.count);
+    for (std::size_t i = 0; i < sample.count; ++i) values[i] = boxes[sample.slots[i]].lower[axis];
+    const double low = quantile(values, kTail), high = quantile(values, 1.0 - kTail);
+    return {0.5 * (low + high), (high - low) / (1.0 - 2.0 * kTail)};
 }
 
 // Occupied cells of a coarse grid over the cells that boxes spread evenly would occupy.
-double fill_of(std::span<const FloatAabb> boxes, std::span<const unsigned char> alive, const Extent extent[3], std::size_t count) noexcept {
+double fill_of(std::span<const FloatAabb> boxes, const Sample& sample, const Extent extent[3]) noexcept {
     std::array<bool, kCoarse * kCoarse * kCoarse> occupied{};
     double cells = 1.0;
     for (int k = 0; k < 3; ++k) cells *= extent[k].length > 0.0 ? kCoarse : 1.0;
-    for (std::size_t i = 0; i < boxes.size(); ++i) {
-        if (alive[i] == 0) continue;
+    for (std::size_t i = 0; i < sample.count; ++i) {
         std::size_t cell = 0;
         for (int k = 0; k < 3; ++k) {
             double c = 0.0;
             if (extent[k].length > 0.0) {
-                c = kCoarse * ((double(boxes[i].lower[k]) - extent[k].mean) / extent[k].length + 0.5);
+                c = kCoarse * ((double(boxes[sample.slots[i]].lower[k]) - extent[k].middle) / extent[k].length + 0.5);
             }
             cell = kCoarse * cell + static_cast<std::size_t>(std::clamp(c, 0.0, kCoarse - 1.0));
         }
@@ -69,7 +98,7 @@ double fill_of(std::span<const FloatAabb> boxes, std::span<const unsigned char> 
     const auto found = static_cast<double>(std::count(occupied.begin(), occupied.end(), true));
     double empty = 1.0;  // chance that a cell stays empty: (1 - 1/cells)^count by squaring
     double power = 1.0 - 1.0 / cells;
-    for (std::size_t rest = count; rest != 0; rest >>= 1) {
+    for (std::size_t rest = sample.count; rest != 0; rest >>= 1) {
         if ((rest & 1u) != 0) empty *= power;
         power *= power;
     }
@@ -81,34 +110,38 @@ double fill_of(std::span<const FloatAabb> boxes, std::span<const unsigned char> 
 SceneStatistics measure(std::span<const FloatAabb> boxes, std::span<const unsigned char> alive, double moving_share) {
     SceneStatistics scene;
     scene.moving_share = moving_share;
-    std::array<std::uint32_t, 1024> sizes{};
+    dvec3 largest{0.0};
     for (std::size_t i = 0; i < boxes.size(); ++i) {
         if (alive[i] == 0) continue;
-        const double edge = longest_edge(boxes[i]);
-        scene.largest_size = std::max(scene.largest_size, edge);
-        ++sizes[size_class(edge)];
+        const dvec3 edges = dvec3(boxes[i].upper) - dvec3(boxes[i].lower);
+        largest = dvec3{std::max(largest.x, edges.x), std::max(largest.y, edges.y), std::max(largest.z, edges.z)};
         ++scene.count;
     }
     if (scene.count == 0) return scene;
-    const auto quantile = [&](double share) {
-        const auto wanted = static_cast<double>(scene.count) * share;
-        double below = 0.0;
-        std::size_t k = 0;
-        while (k + 1 < sizes.size() && below + sizes[k] < wanted) below += sizes[k++];
-        return std::min(size_of(k), scene.largest_size);
-    };
-    scene.median_size = quantile(0.5);
-    scene.p99_size = quantile(0.99);
-    const Extent extent[3] = {extent_along(0, boxes, alive), extent_along(1, boxes, alive), extent_along(2, boxes, alive)};
-    for (const Extent& e : extent) {
-        const double reach = std::max(e.length, scene.median_size);
-        const double density =
-            reach > 0.0 ? static_cast<double>(scene.count) * scene.median_size / reach : static_cast<double>(scene.count);
-        scene.line_density = std::max(scene.line_density, density);
-        scene.spread_axes += e.length > 8.0 * scene.median_size;
+    scene.largest_size = std::max(largest.x, std::max(largest.y, largest.z));
+    const Sample sample = draw(alive, scene.count);
+    if (sample.count == 0) return scene;
+    std::array<float, kSample + kSample / 4> store;
+    const std::span<float> sizes(store.data(), sample.count);
+    for (std::size_t i = 0; i < sample.count; ++i) sizes[i] = static_cast<float>(longest_edge(boxes[sample.slots[i]]));
+    scene.median_size = quantile(sizes, 0.5);
+    scene.p99_size = quantile(sizes, 0.99);
+    const Extent extent[3] = {extent_along(0, boxes, sample), extent_along(1, boxes, sample), extent_along(2, boxes, sample)};
+    const auto count = static_cast<double>(scene.count);
+    scene.largest_crowd = count;
+    for (int k = 0; k < 3; ++k) {
+        const double reach = std::max(extent[k].length, scene.median_size);
+        scene.line_density = std::max(scene.line_density, reach > 0.0 ? count * scene.median_size / reach : count);
+        scene.spread_axes += extent[k].length > 8.0 * scene.median_size;
+        if (extent[k].length > largest[k]) scene.largest_crowd *= largest[k] / extent[k].length;
     }
-    scene.fill = fill_of(boxes, alive, extent, scene.count);
+    scene.fill = fill_of(boxes, sample, extent);
     return scene;
+}
+
+bool is_few(std::size_t count, BroadphaseMethod current) noexcept {
+    const double limit = current == BroadphaseMethod::BruteForce ? kStay * kFewBoxes : kFewBoxes;
+    return static_cast<double>(count) <= limit;
 }
 
 MethodChoice choose_method(const SceneStatistics& s, BroadphaseMethod current) noexcept {
@@ -116,27 +149,29 @@ MethodChoice choose_method(const SceneStatistics& s, BroadphaseMethod current) n
     // A threshold is farther away for a scene that would leave its method by passing it.
     const auto upper = [&](BroadphaseMethod method, double limit) { return current == method ? limit * kStay : limit; };
     const auto lower = [&](BroadphaseMethod method, double limit) { return current == method ? limit / kStay : limit; };
-    const auto count = static_cast<double>(s.count);
-    if (count <= upper(BruteForce, kFewBoxes)) return {BruteForce, "few boxes: testing every pair costs least"};
-    if (s.fill < upper(SortedAxes, kClumped) && s.moving_share < upper(SortedAxes, kFewMove) &&
-        s.line_density < upper(SortedAxes, kSparseLine)) {
-        return {SortedAxes, "boxes in clumps far apart, of which few move: a mover passes few ends"};
+    if (is_few(s.count, current)) return {BruteForce, "few boxes: testing every pair costs least"};
+    if (s.moving_share < upper(SortedAxes, kFewMove) && s.line_density < upper(SortedAxes, kSparseLine)) {
+        return {SortedAxes, "few boxes side by side along every axis, of which few move: a mover passes few ends"};
     }
-    const bool uneven = s.fill < upper(SweepAndPrune, kClumped) || s.p99_size > lower(SweepAndPrune, kManySizes) * s.median_size;
-    if (uneven && s.moving_share > lower(SweepAndPrune, kMostMove) && s.line_density < count) {
-        return {SweepAndPrune, "most boxes move, and they are clumped or of many sizes: sorting anew costs least"};
+    if (s.moving_share > lower(SweepAndPrune, kManyMove) && s.fill < upper(SweepAndPrune, kClumped) && s.spread_axes > 0) {
+        return {SweepAndPrune, "many boxes move, and they are clumped: sorting anew costs least"};
     }
-    if (s.largest_size > lower(HierarchicalGrid, kLargeSize) * s.median_size) {
-        return {HierarchicalGrid, "some boxes are much larger than most: a grid for each size class"};
+    if (s.largest_size > lower(HierarchicalGrid, kLargeSize) * s.median_size && s.largest_crowd > lower(HierarchicalGrid, kLargeCrowd)) {
+        return {HierarchicalGrid, "cells as large as the largest box would be crowded: a grid for each size class"};
     }
-    return {UniformGrid, "boxes of like size: one grid"};
+    return {UniformGrid, "cells as large as the largest box hold few: one grid"};
 }
 
 std::string describe(const MethodChoice& choice, const SceneStatistics& s) {
-    char numbers[240];
-    std::snprintf(numbers, sizeof numbers, "%s (%zu boxes, largest %.3g and p99 %.3g times the median size, fill %.2f, %.0f %% moving)",
-                  choice.reason, s.count, s.median_size > 0.0 ? s.largest_size / s.median_size : 1.0,
-                  s.median_size > 0.0 ? s.p99_size / s.median_size : 1.0, s.fill, 100.0 * s.moving_share);
+    char numbers[280];
+    if (choice.method == BroadphaseMethod::BruteForce) {
+        std::snprintf(numbers, sizeof numbers, "%s (%zu boxes)", choice.reason, s.count);
+        return numbers;
+    }
+    std::snprintf(numbers, sizeof numbers,
+                  "%s (%zu boxes, largest %.3g times the median size, %.3g in its reach, %.3g side by side, fill %.2f, %.0f %% moving)",
+                  choice.reason, s.count, s.median_size > 0.0 ? s.largest_size / s.median_size : 1.0, s.largest_crowd, s.line_density,
+                  s.fill, 100.0 * s.moving_share);
     return numbers;
 }
 

@@ -16,17 +16,22 @@ namespace carom {
 /// What the choice is made from. Sizes are longest edges of boxes [m].
 struct SceneStatistics {
     std::size_t count = 0;
-    double median_size = 0.0;  ///< to within a factor 1.2
-    double p99_size = 0.0;     ///< to within a factor 1.2
+    double median_size = 0.0;  ///< of a sample
+    double p99_size = 0.0;     ///< of a sample
     double largest_size = 0.0;
+    double largest_crowd = 0.0;  ///< boxes in a cell as long as the longest edge along each axis, were they spread evenly
     double line_density = 0.0;  ///< boxes side by side along the axis where they crowd most: count * median size / extent
     int spread_axes = 0;        ///< axes along which the boxes are spread over more than eight median sizes
     double fill = 1.0;          ///< occupied cells of a coarse grid over those that an even spread would occupy, at most 1
     double moving_share = 1.0;  ///< of the boxes, in an update, over the last few tens of updates
 };
 
-/// Counts over the live boxes. Cost: O(n), no allocation.
+/// Counts over the live boxes; the spread is that of about a thousand of them and takes no notice of a few far away.
+/// Cost: O(n), no allocation.
 [[nodiscard]] SceneStatistics measure(std::span<const FloatAabb> boxes, std::span<const unsigned char> alive, double moving_share);
+
+/// Whether there are so few boxes that nothing else about them matters.
+[[nodiscard]] bool is_few(std::size_t count, BroadphaseMethod current) noexcept;
 
 struct MethodChoice {
     BroadphaseMethod method = BroadphaseMethod::BruteForce;

@@ -66,6 +66,25 @@ public:
                      FunctionRef<bool(std::uint32_t)> visit) const override {
         walk_where(touches, [&](std::uint32_t slot) { return !touches(table.boxes[slot]) || visit(slot); });
     }
+    void visit_parts(const ProxyTable&, FunctionRef<void(const BroadphasePart&)> visit) const override {
+        int depth = 0;
+        std::uint32_t node = root_;
+        while (node != kNone) {  // down the first children, then up to the next second one
+            visit({nodes_[node].box, depth, nodes_[node].is_leaf() ? std::size_t{1} : std::size_t{0}});
+            if (!nodes_[node].is_leaf()) {
+                node = nodes_[node].child[0];
+                ++depth;
+                continue;
+            }
+            std::uint32_t up = nodes_[node].parent;
+            while (up != kNone && nodes_[up].child[1] == node) {
+                node = up;
+                up = nodes_[up].parent;
+                --depth;
+            }
+            node = up == kNone ? kNone : nodes_[up].child[1];
+        }
+    }
     [[nodiscard]] std::size_t memory() const noexcept override {
         return sizeof(Node) * nodes_.capacity() + sizeof(std::uint32_t) * (leaf_.capacity() + order_.capacity() + free_.capacity());
     }

@@ -21,7 +21,9 @@ constexpr int kXyz[3] = {0, 1, 2};
 
 class Grid final : public Method {
 public:
-    explicit Grid(bool levels) : by_size_(levels) {}
+    Grid(bool levels, double cell_scale) : by_size_(levels) {
+        for (GridLevel& level : levels_) level.cell_scale = cell_scale;
+    }
 
     [[nodiscard]] bool prefers_all(const ProxyTable& table, const ChangeLists& changes) const noexcept override {
         return 4 * (changes.moved.size() + changes.inserted.size()) > table.live_count;
@@ -33,6 +35,17 @@ public:
                      FunctionRef<bool(std::uint32_t)> visit) const override {
         for (std::size_t k = 0; k < level_count_; ++k) {
             if (levels_[k].size() != 0 && !levels_[k].visit_where(table, touches, visit)) return;
+        }
+    }
+    void visit_along(const ProxyTable& table, const SweepPath& path, FunctionRef<bool(const FloatAabb&)> touches,
+                     FunctionRef<bool(std::uint32_t)> visit) const override {
+        for (std::size_t k = 0; k < level_count_; ++k) {
+            if (levels_[k].size() != 0 && !levels_[k].visit_along(table, path, touches, visit)) return;
+        }
+    }
+    void visit_parts(const ProxyTable&, FunctionRef<void(const BroadphasePart&)> visit) const override {
+        for (std::size_t k = 0; k < level_count_; ++k) {
+            if (levels_[k].size() != 0) levels_[k].visit_cells(static_cast<int>(k), visit);
         }
     }
     [[nodiscard]] std::size_t memory() const noexcept override;
@@ -213,7 +226,7 @@ std::size_t Grid::memory() const noexcept {
 
 }  // namespace
 
-std::unique_ptr<Method> make_uniform_grid() { return std::make_unique<Grid>(false); }
-std::unique_ptr<Method> make_hierarchical_grid() { return std::make_unique<Grid>(true); }
+std::unique_ptr<Method> make_uniform_grid(double cell_scale) { return std::make_unique<Grid>(false, cell_scale); }
+std::unique_ptr<Method> make_hierarchical_grid(double cell_scale) { return std::make_unique<Grid>(true, cell_scale); }
 
 }  // namespace carom::detail

@@ -29,6 +29,14 @@ struct FloatAabb {
 /// exact arithmetic overlap here too.
 [[nodiscard]] FloatAabb round_outward(const Aabb& box, const dvec3& origin) noexcept;
 
+/// A box of half size `grow` that moves from `origin` along `direction` for 0 <= t <= t_max; a ray where `grow` is zero. Finite.
+struct SweepPath {
+    dvec3 origin{0.0};
+    dvec3 direction{0.0};
+    double t_max = 0.0;
+    dvec3 grow{0.0};
+};
+
 /// Which of two proxies may meet: they are tested if each one's `layer` shares a bit with the other's `mask` and at
 /// least one of them is movable.
 struct ProxyFilter {

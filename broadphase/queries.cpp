@@ -25,20 +25,20 @@ double distance_sq(const dvec3& point, const FloatAabb& box) noexcept {
     return sum;
 }
 
-// The part of a ray that lies in a box made larger by `grow` on each side of each axis; empty if first > last.
+// The part of a path in which it meets a box; empty if first > last.
 struct Span {
     double first = 0.0, last = 0.0;
 };
 
-Span clip(const dvec3& origin, const dvec3& direction, double t_max, const FloatAabb& box, const dvec3& grow) noexcept {
-    Span span{0.0, t_max};
+Span clip(const SweepPath& path, const FloatAabb& box) noexcept {
+    Span span{0.0, path.t_max};
     for (int k = 0; k < 3; ++k) {
-        const double lower = double(box.lower[k]) - grow[k], upper = double(box.upper[k]) + grow[k];
-        if (direction[k] == 0.0) {
-            if (origin[k] < lower || origin[k] > upper) return {1.0, 0.0};
+        const double lower = double(box.lower[k]) - path.grow[k], upper = double(box.upper[k]) + path.grow[k];
+        if (path.direction[k] == 0.0) {
+            if (path.origin[k] < lower || path.origin[k] > upper) return {1.0, 0.0};
             continue;
         }
-        const double a = (lower - origin[k]) / direction[k], b = (upper - origin[k]) / direction[k];
+        const double a = (lower - path.origin[k]) / path.direction[k], b = (upper - path.origin[k]) / path.direction[k];
         span.first = std::max(span.first, std::min(a, b));
         span.last = std::min(span.last, std::max(a, b));
     }
@@ -48,8 +48,9 @@ Span clip(const dvec3& origin, const dvec3& direction, double t_max, const Float
 // A graze that rounding alone makes a miss counts as a hit.
 bool is_hit(const Span& span) noexcept { return span.first <= span.last + 0x1p-48 * (span.first + span.last); }
 
-void sweep(const Broadphase& broadphase, const dvec3& origin, const dvec3& direction, double t_max, const dvec3& grow, SlotVisitor visit) {
-    broadphase.visit_where([&](const FloatAabb& box) { return is_hit(clip(origin, direction, t_max, box, grow)); }, visit);
+void sweep(const Broadphase& broadphase, const SweepPath& path, SlotVisitor visit) {
+    broadphase.visit_along(
+        path, [&](const FloatAabb& box) { return is_hit(clip(path, box)); }, visit);
 }
 
 }  // namespace
@@ -96,13 +97,13 @@ void query_volume(const Broadphase& broadphase, std::span<const HalfSpace> half_
 void query_ray(const Broadphase& broadphase, const dvec3& origin, const dvec3& direction, double t_max, SlotVisitor visit) {
     CAROM_REQUIRE(are_finite(origin, direction, t_max), ErrorCode::NotFinite, "a ray must be finite");
     CAROM_REQUIRE(direction != dvec3{0.0} && t_max >= 0.0, ErrorCode::InvalidArgument, "a ray needs a direction and t_max >= 0");
-    sweep(broadphase, origin, direction, t_max, dvec3{0.0}, visit);
+    sweep(broadphase, {.origin = origin, .direction = direction, .t_max = t_max}, visit);
 }
 
 void query_swept_box(const Broadphase& broadphase, const dvec3& lower, const dvec3& upper, const dvec3& motion, SlotVisitor visit) {
     CAROM_REQUIRE(are_finite(lower, upper) && is_finite(motion), ErrorCode::NotFinite, "a moving box must be finite");
     CAROM_REQUIRE(is_ordered(lower, upper), ErrorCode::InvalidArgument, "a moving box has lower > upper");
-    sweep(broadphase, 0.5 * lower + 0.5 * upper, motion, 1.0, 0.5 * upper - 0.5 * lower, visit);
+    sweep(broadphase, {.origin = 0.5 * lower + 0.5 * upper, .direction = motion, .t_max = 1.0, .grow = 0.5 * upper - 0.5 * lower}, visit);
 }
 
 std::optional<BoxHit> closest_on_ray(const Broadphase& broadphase, const dvec3& origin, const dvec3& direction, double t_max,
@@ -110,14 +111,15 @@ std::optional<BoxHit> closest_on_ray(const Broadphase& broadphase, const dvec3& 
     CAROM_REQUIRE(are_finite(origin, direction, t_max), ErrorCode::NotFinite, "a ray must be finite", {});
     CAROM_REQUIRE(direction != dvec3{0.0} && t_max >= 0.0, ErrorCode::InvalidArgument, "a ray needs a direction and t_max >= 0", {});
     std::optional<BoxHit> best;
-    double reach = t_max;
-    const auto met = [&](const FloatAabb& box) { return is_hit(clip(origin, direction, reach, box, dvec3{0.0})); };
-    broadphase.visit_where(met, [&](std::uint32_t slot) {
-        const double t = clip(origin, direction, t_max, broadphase.box(slot), dvec3{0.0}).first;
+    const SweepPath ray{.origin = origin, .direction = direction, .t_max = t_max};
+    SweepPath rest = ray;  // up to the nearest box so far
+    const auto met = [&](const FloatAabb& box) { return is_hit(clip(rest, box)); };
+    broadphase.visit_along(rest, met, [&](std::uint32_t slot) {
+        const double t = clip(ray, broadphase.box(slot)).first;
         const bool nearer = !best || t < best->t || (t == best->t && slot < best->slot);
         if (nearer && accept(slot)) {
             best = BoxHit{slot, t};
-            reach = t;
+            rest.t_max = t;
         }
         return true;
     });

@@ -6,8 +6,8 @@
 // All coordinates are relative to the broadphase's origin, like the boxes, and must be finite; anything else is misuse, and nothing is
 // visited. Every box that the shape touches (closed tests, in double) is visited once, in no promised order, until `visit` returns
 // false. A box that lies within 1e-14 of the coordinates' size of touching may be visited too.
-// Cost: a tree goes down to what the shape touches, a grid looks at the layers, rows and cells that it touches; the other methods look
-// at every box. No allocation but for nearest_boxes; const, so any number of threads may ask at once.
+// Cost: a tree goes down to what the shape touches, a grid looks at the layers, rows and cells that it touches, of rays and moving boxes at
+// the cells along the path alone, nearest first; the other methods look at every box. No allocation but for nearest_boxes; const, so any number of threads may ask at once.
 #pragma once
 
 #include <carom/broadphase/broadphase.hpp>

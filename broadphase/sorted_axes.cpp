@@ -40,6 +40,14 @@ public:
             if (overlaps(table.boxes[slot], box) && !visit(slot)) return;
         }
     }
+    void visit_ends(const ProxyTable& table, FunctionRef<void(const BroadphaseEnd&)> visit) const override {
+        for (int k = 0; k < 3; ++k) {
+            for (const End end : axis_[k].ends) {
+                const FloatAabb& box = table.boxes[slot_of(end)];
+                visit({k, is_upper(end) ? box.upper[k] : box.lower[k], is_upper(end), slot_of(end)});
+            }
+        }
+    }
     [[nodiscard]] std::size_t memory() const noexcept override {
         std::size_t sum = entries_.memory() + sizeof(std::uint64_t) * scratch_.keys.capacity() +
                           sizeof(std::uint32_t) * (payload_.capacity() + scratch_.payload.capacity());

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -29,21 +30,42 @@ struct Spread {
     double mean = 0.0;
     double variance = 0.0;
     double edge = 0.0;  // root mean square
+    double low = std::numeric_limits<double>::max(), high = std::numeric_limits<double>::lowest();
 };
 
-Spread spread(std::span<const FloatAabb> bounds, int axis) noexcept {
-    const auto n = static_cast<double>(bounds.size());
-    const double origin = bounds[0].lower[axis];  // keeps the squares small
-    double sum = 0.0, squares = 0.0, edges = 0.0;
+// Of the boxes whose centre is in [low, high].
+Spread spread_within(std::span<const FloatAabb> bounds, int axis, double low, double high) noexcept {
+    const double origin = 0.5 * (double(bounds[0].lower[axis]) + double(bounds[0].upper[axis]));  // keeps the squares small
+    double n = 0.0, sum = 0.0, squares = 0.0, edges = 0.0;
+    Spread s;
     for (const FloatAabb& box : bounds) {
         const double lower = box.lower[axis], upper = box.upper[axis];
-        const double centre = 0.5 * (lower + upper) - origin;
-        sum += centre;
-        squares += centre * centre;
+        const double centre = 0.5 * (lower + upper);
+        if (centre < low || centre > high) continue;
+        n += 1.0;
+        sum += centre - origin;
+        squares += (centre - origin) * (centre - origin);
         edges += (upper - lower) * (upper - lower);
+        s.low = std::min(s.low, centre);
+        s.high = std::max(s.high, centre);
     }
     const double mean = sum / n;
-    return {origin + mean, squares / n - mean * mean, std::sqrt(edges / n)};
+    s.mean = origin + mean;
+    s.variance = std::max(squares / n - mean * mean, 0.0);
+    s.edge = std::sqrt(edges / n);
+    return s;
+}
+
+// A few boxes far away would make the strips so wide that all others share one: they are left out of the count, twice if need be.
+Spread spread(std::span<const FloatAabb> bounds, int axis) noexcept {
+    constexpr double kFar = 10.0;  // deviations
+    Spread s = spread_within(bounds, axis, -std::numeric_limits<double>::infinity(), std::numeric_limits<double>::infinity());
+    for (int i = 0; i < 2; ++i) {
+        const double far = kFar * std::sqrt(s.variance);
+        if (s.mean - s.low <= far && s.high - s.mean <= far) break;
+        s = spread_within(bounds, axis, s.mean - far, s.mean + far);
+    }
+    return s;
 }
 
 // Cuts an axis into strips; the outermost ones are open.
@@ -123,6 +145,9 @@ public:
         }
     }
 
+    void visit_ends(const ProxyTable& table, FunctionRef<void(const BroadphaseEnd&)> visit) const override {
+        for (const std::uint32_t i : order_) visit({axes_[0], table.boxes[slot_of_[i]].lower[axes_[0]], false, slot_of_[i]});
+    }
     [[nodiscard]] std::size_t memory() const noexcept override {
         return entries_.memory() + sizeof(FloatAabb) * bounds_.capacity() +
                sizeof(std::uint64_t) * (keys_.capacity() + sort_keys_.capacity() + next_.capacity() + scratch_.keys.capacity()) +

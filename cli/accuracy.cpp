@@ -18,6 +18,7 @@
 #include <optional>
 #include <string>
 #include <system_error>
+#include <utility>
 #include <vector>
 
 namespace carom::cli {
@@ -57,7 +58,8 @@ Status prove_folder(const std::string& folder) {
 }
 
 // The report of all, and CSV and SVG of each. Without gnuplot there is no SVG, and one line says so.
-Status write_folder(const std::vector<accuracy::StudyResult>& results, const std::string& folder, const std::string& json) {
+Status write_folder(const std::vector<accuracy::StudyResult>& results, const accuracy::Digest& digest, const std::string& folder,
+                    const std::string& json) {
     if (Status status = write_text(folder + "/accuracy.json", json); !status) return status;
     bool missing = false;
     for (const accuracy::StudyResult& result : results) {
@@ -67,16 +69,23 @@ Status write_folder(const std::vector<accuracy::StudyResult>& results, const std
         if (!drawn) return drawn.error();
         missing = *drawn == accuracy::Drawn::NoGnuplot;
     }
+    for (const accuracy::Digest::Picture& picture : digest.pictures) {
+        const std::string stem = folder + "/" + picture.name;
+        const Result<accuracy::Drawn> drawn = accuracy::run_script(picture.script(stem + ".svg"), stem);
+        if (!drawn) return drawn.error();
+        missing = *drawn == accuracy::Drawn::NoGnuplot;
+    }
     if (missing) fmt::print(stderr, "carom: gnuplot is not on the PATH: the .gp scripts are written, but no .svg\n");
     return {};
 }
 
 std::vector<accuracy::StudyResult> measure_all(const accuracy::StudyGroup& group, const AccuracyOptions& options) {
-    const std::vector<accuracy::Study> studies = group.make({.quick = options.quick, .ray_peers = study_ray_peers()});
+    std::vector<accuracy::Study> studies = group.make({.quick = options.quick, .ray_peers = study_ray_peers()});
     const int rounds = 1 + (options.quick ? kQuickRepeats : kRepeats);
     Progress progress(rounds * static_cast<int>(studies.size()));
     std::vector<accuracy::StudyResult> results;
-    for (const accuracy::Study& study : studies) {
+    for (accuracy::Study& waiting : studies) {
+        const accuracy::Study study = std::exchange(waiting, {});  // what it holds goes with it
         const int before = rounds * static_cast<int>(results.size());
         const auto show = [&](int done, int) { progress.show(before + done); };
         results.push_back(accuracy::measure(study, {.repeats = rounds - 1, .progress = show}));
@@ -97,8 +106,9 @@ ExitCode run(const AccuracyOptions& options) {
     }
     const std::vector<accuracy::StudyResult> results = measure_all(*group, options);
     const std::string json = report(results, options);
+    const accuracy::Digest digest = group->digest ? group->digest(results) : accuracy::Digest{};
     if (options.out) {
-        if (Status status = write_folder(results, *options.out, json); !status) return fail(ExitCode::Failed, status.error());
+        if (Status status = write_folder(results, digest, *options.out, json); !status) return fail(ExitCode::Failed, status.error());
     }
     if (options.json) {
         if (Status status = write_text(*options.json, json); !status) return fail(ExitCode::Failed, status.error());
@@ -108,6 +118,7 @@ ExitCode run(const AccuracyOptions& options) {
     for (const accuracy::StudyResult& result : results) {
         tables += (tables.empty() ? "" : "\n") + accuracy::to_table(result);
     }
+    if (!digest.table.empty()) tables += "\n" + digest.table;
     if (Status status = write_text("-", tables); !status) return fail(ExitCode::Failed, status.error());
     return ExitCode::Ok;
 }

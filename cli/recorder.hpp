@@ -17,6 +17,7 @@ namespace carom::cli {
 struct RecorderOptions {
     std::string picture;  ///< path of a PNG; empty: none
     std::string vtk;      ///< folder of frames.pvd; empty: none
+    bool broadphase = false;  ///< frames show what the broadphase keeps
 };
 
 class Recorder {

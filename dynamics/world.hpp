@@ -126,6 +126,11 @@ public:
     [[nodiscard]] std::size_t contact_count() const noexcept;
     [[nodiscard]] ContactView contact(std::size_t index) const;
 
+    /// The bounds of the last step's bounded shapes and what keeps their pairs, for queries and pictures; its boxes are relative to
+    /// broadphase_origin().
+    [[nodiscard]] const Broadphase& broadphase() const noexcept;
+    [[nodiscard]] dvec3 broadphase_origin() const noexcept;
+
     /// First hit over all shapes but those of quarantined bodies; ties go to the body created first. Linear in the number of shapes
     /// in this version.
     [[nodiscard]] std::optional<WorldRayHit> cast_ray(const Ray& ray) const;

@@ -45,6 +45,9 @@ Momentum World::momentum() const {
 
 std::size_t World::contact_count() const noexcept { return impl_->contacts.manifolds.size(); }
 
+const Broadphase& World::broadphase() const noexcept { return impl_->broadphase; }
+dvec3 World::broadphase_origin() const noexcept { return impl_->proxies.origin; }
+
 ContactView World::contact(std::size_t index) const {
     CAROM_REQUIRE(index < contact_count(), ErrorCode::InvalidArgument, "no contact of that index", {});
     const Manifold& manifold = impl_->contacts.manifolds[index];

@@ -63,7 +63,8 @@ CornerSpread whole_spread(const ProxyTable& table, std::span<const std::uint32_t
     return all;
 }
 
-CellMap choose_cells(const CornerSpread& all, const ProxyTable& table, std::span<const std::uint32_t> slots, bool hashed) {
+CellMap choose_cells(const CornerSpread& all, const ProxyTable& table, std::span<const std::uint32_t> slots, bool hashed,
+                     double cell_scale) {
     Spread s[3] = {spread_along(0, all, table, slots), spread_along(1, all, table, slots), spread_along(2, all, table, slots)};
     CellMap map;
     const auto swap_if_narrower = [&](int i, int j) {
@@ -83,7 +84,7 @@ CellMap choose_cells(const CornerSpread& all, const ProxyTable& table, std::span
         edge[k] = std::max((k == 0 ? kRunEdges : kRowEdges) * static_cast<double>(along.edge), 1e-9 * extent[k]);
     }
     const double most = hashed ? 0x1p90 : std::max(static_cast<double>(slots.size()) / kBoxesACell, 1.0);
-    for (double scale = 1.0;; scale *= 1.125) {
+    for (double scale = cell_scale;; scale *= 1.125) {
         for (int k = 0; k < 3; ++k) {
             const double wanted = edge[k] > 0.0 ? std::floor(extent[k] / (scale * edge[k])) : 0.0;
             count[k] = std::min(wanted, CellMap::kMostCoordinate) + 1.0;
@@ -157,14 +158,14 @@ void GridLevel::build(const ProxyTable& table, std::span<const std::uint32_t> sl
     CornerSpread all;
     if (size_ != 0) {
         all = whole_spread(table, slots, spreads_, executor);
-        map = choose_cells(all, table, slots, false);
+        map = choose_cells(all, table, slots, false, cell_scale);
     }
     if (count_cells(table, slots, executor) > kCrowd) {
         const auto inner_cells = [](const CellMap& m) {
             return static_cast<double>(m.last[0]) * static_cast<double>(m.last[1]) * static_cast<double>(m.last[2]);
         };
         const CellMap crowded = map;
-        map = choose_cells(all, table, slots, true);
+        map = choose_cells(all, table, slots, true, cell_scale);
         if (inner_cells(map) > 4.0 * inner_cells(crowded) + 64.0) {
             map.mask = 63;
             while (map.mask < size_ / 2) map.mask = 2 * map.mask + 1;

@@ -10,6 +10,7 @@
 // search reads.
 #pragma once
 
+#include <carom/broadphase/broadphase.hpp>
 #include <carom/broadphase/detail/overlap_kernel.hpp>
 #include <carom/broadphase/detail/proxy_table.hpp>
 #include <carom/core/executor.hpp>
@@ -95,11 +96,20 @@ public:
     /// The same for every slot for whose box `touches` is true; it is true of any region around such a box.
     bool visit_where(const ProxyTable& table, FunctionRef<bool(const FloatAabb&)> touches, FunctionRef<bool(std::uint32_t)> visit) const;
 
+    /// The same of boxes that the path may meet (grid_walk.cpp), in about the order in which it does.
+    bool visit_along(const ProxyTable& table, const SweepPath& path, FunctionRef<bool(const FloatAabb&)> touches,
+                     FunctionRef<bool(std::uint32_t)> visit) const;
+
+    /// The occupied cells; the strays, if there are any, as one part that goes round all of them.
+    void visit_cells(int level, FunctionRef<void(const BroadphasePart&)> visit) const;
+
     [[nodiscard]] std::size_t size() const noexcept { return size_; }
     [[nodiscard]] std::size_t cells() const noexcept { return used.size(); }
     [[nodiscard]] std::size_t end() const noexcept { return stray_end; }
     [[nodiscard]] std::size_t strays() const noexcept { return stray_end - stray_begin; }
     [[nodiscard]] std::size_t memory() const noexcept;
+
+    double cell_scale = 1.0;  ///< of the edges of cells
 
     // Read by the kernels.
     CellMap map;
@@ -116,6 +126,9 @@ private:
     /// Whole runs of entries, each box asked for.
     bool visit_run(const ProxyTable& table, std::size_t first, std::size_t last, FunctionRef<bool(const FloatAabb&)> touches,
                    FunctionRef<bool(std::uint32_t)> visit) const;
+    /// Calls visit_cells(first, last) with the cells of each layer that the path may have to do with, until it says no.
+    template <class F>
+    bool walk_layers(const SweepPath& path, F visit_cells) const;
     [[nodiscard]] Home home_of(const FloatAabb& box) const noexcept;
     /// Counts the boxes of each cell into `used` and numbers them there. @return the mean number of boxes that share a box's cell.
     double count_cells(const ProxyTable& table, std::span<const std::uint32_t> slots, Executor& executor);

@@ -4,6 +4,7 @@
 //   method.find_moved(table, changes, executor, pieces);            // or only what the changes may have begun
 #pragma once
 
+#include <carom/broadphase/broadphase.hpp>
 #include <carom/broadphase/detail/pair_pieces.hpp>
 #include <carom/broadphase/detail/proxy_table.hpp>
 #include <carom/broadphase/method.hpp>
@@ -46,6 +47,23 @@ public:
         }
     }
 
+    /// As visit_where, of boxes for which `touches` implies that the path meets them. path.t_max may become less on the way.
+    virtual void visit_along(const ProxyTable& table, const SweepPath& path, FunctionRef<bool(const FloatAabb&)> touches,
+                             FunctionRef<bool(std::uint32_t)> visit) const {
+        static_cast<void>(path);
+        visit_where(table, touches, visit);
+    }
+
+    /// For pictures; most methods have neither parts nor ends.
+    virtual void visit_parts(const ProxyTable& table, FunctionRef<void(const BroadphasePart&)> visit) const {
+        static_cast<void>(table);
+        static_cast<void>(visit);
+    }
+    virtual void visit_ends(const ProxyTable& table, FunctionRef<void(const BroadphaseEnd&)> visit) const {
+        static_cast<void>(table);
+        static_cast<void>(visit);
+    }
+
     /// [bytes]
     [[nodiscard]] virtual std::size_t memory() const noexcept = 0;
 };
@@ -53,8 +71,8 @@ public:
 [[nodiscard]] std::unique_ptr<Method> make_brute_force();
 [[nodiscard]] std::unique_ptr<Method> make_sweep_and_prune();
 [[nodiscard]] std::unique_ptr<Method> make_sorted_axes();
-[[nodiscard]] std::unique_ptr<Method> make_uniform_grid();
-[[nodiscard]] std::unique_ptr<Method> make_hierarchical_grid();
+[[nodiscard]] std::unique_ptr<Method> make_uniform_grid(double cell_scale);
+[[nodiscard]] std::unique_ptr<Method> make_hierarchical_grid(double cell_scale);
 [[nodiscard]] std::unique_ptr<Method> make_dynamic_tree();
 
 }  // namespace carom::detail

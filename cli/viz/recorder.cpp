@@ -1,5 +1,6 @@
 #include <carom/cli/recorder.hpp>
 
+#include <carom/viz/broadphase_layers.hpp>
 #include <carom/viz/make_debug_frame.hpp>
 #include <carom/viz/vtk/picture.hpp>
 #include <carom/viz/vtk/vtp_series.hpp>
@@ -46,9 +47,10 @@ public:
     }
 
 private:
-    static DebugFrame frame_of(const scenes::SceneRun& run, int done, int segments) {
+    [[nodiscard]] DebugFrame frame_of(const scenes::SceneRun& run, int done, int segments) const {
         DebugFrame frame =
             make_debug_frame(run.world, {.layers = kAllLayers & ~layer_bit(Layer::Bvh), .segments = segments});
+        if (options_.broadphase) append_broadphase_layers(frame, run.world);
         frame.caption = fmt::format("{}, step {}, {:.2f} s", run.name, done, done * run.dt);
         return frame;
     }
@@ -72,6 +74,7 @@ private:
 void add_recorder_options(CLI::App& command, RecorderOptions& options) {
     command.add_option("--picture", options.picture, "draw the end of the run into this PNG file (needs a display)");
     command.add_option("--vtk", options.vtk, "write frames.pvd, which ParaView opens, into this folder");
+    command.add_flag("--broadphase", options.broadphase, "show the broadphase's boxes, cells, axes and tree in pictures and frames");
 }
 
 std::unique_ptr<Recorder> make_recorder(const RecorderOptions& options) {

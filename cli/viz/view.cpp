@@ -1,6 +1,7 @@
 // carom view SCENE: the scene runs in a window.
 #include <carom/cli/scene_arguments.hpp>
 
+#include <carom/viz/broadphase_layers.hpp>
 #include <carom/viz/make_debug_frame.hpp>
 #include <carom/viz/vtk/viewer.hpp>
 
@@ -14,6 +15,7 @@ namespace {
 struct ViewOptions {
     SceneArguments scene;
     bool paused = false;
+    bool broadphase = false;
 };
 
 ExitCode view(const ViewOptions& options) {
@@ -25,6 +27,7 @@ ExitCode view(const ViewOptions& options) {
         .frame =
             [&] {
                 DebugFrame frame = make_debug_frame(run.world);
+                if (options.broadphase) append_broadphase_layers(frame, run.world);
                 frame.caption = fmt::format("{}, step {}, {:.2f} s", run.name, done, done * run.dt);
                 return frame;
             },
@@ -48,6 +51,7 @@ void add_view_command(CLI::App& app, Action& action) {
     CLI::App* command = app.add_subcommand("view", "Runs a scene in a window, without end unless --steps is given.");
     options->scene.add_to(*command);
     command->add_flag("--paused", options->paused, "wait for the space bar");
+    command->add_flag("--broadphase", options->broadphase, "show the broadphase's boxes, cells, axes and tree");
     command->callback([&action, options] { action = [options] { return view(*options); }; });
 }
 

@@ -1,4 +1,5 @@
 #include <carom/studies/accuracy/catalogue.hpp>
+#include <carom/studies/accuracy/winner_map.hpp>
 
 #include <fmt/format.h>
 
@@ -9,6 +10,8 @@ std::span<const StudyGroup> study_catalogue() {
         {"rays", "ray casts: near, at edges, from afar, far from the origin, tiny and huge; and how fine a mesh has to be", ray_studies},
         {"primitives", "rays, distances and overlaps of single primitives in float and double: plain, far, tiny, huge, touching",
          primitive_studies},
+        {"broadphase", "pairs of moving boxes by every method, with margins and cells; which is fastest where, and what the chooser takes",
+         broadphase_studies, broadphase_digest},
     };
     return groups;
 }

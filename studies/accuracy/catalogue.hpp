@@ -19,12 +19,23 @@ struct StudyOptions {
     std::vector<RayCaster> ray_peers{};  ///< that join every study of rays against meshes; a build with peers gives them
 };
 
+/// What the results of a group add up to.
+struct Digest {
+    struct Picture {
+        std::string name;                                       ///< of its file: letters, digits and '_'
+        std::function<std::string(const std::string& svg)> script;  ///< gnuplot's, which is to write `svg`
+    };
+    std::string table{};
+    std::vector<Picture> pictures{};
+};
+
 /// Studies that run together; the first of them has the group's name.
 struct StudyGroup {
     std::string name;
     std::string summary;
     /// Builds the studies with their cases and their exact answers, always the same ones; this can take a while.
     std::function<std::vector<Study>(const StudyOptions&)> make;
+    std::function<Digest(std::span<const StudyResult>)> digest{};  ///< empty for most groups
 };
 
 /// @return the groups, in the order that lists show them.
@@ -37,5 +48,7 @@ struct StudyGroup {
 [[nodiscard]] std::vector<Study> ray_studies(const StudyOptions& options);
 /// Tests of single primitives; primitive_cases.hpp has the measure.
 [[nodiscard]] std::vector<Study> primitive_studies(const StudyOptions& options);
+/// Broadphase methods; box_crowd.hpp has the cases, winner_map.hpp what they add up to.
+[[nodiscard]] std::vector<Study> broadphase_studies(const StudyOptions& options);
 
 }  // namespace carom::accuracy

@@ -20,16 +20,6 @@ namespace {
 constexpr const char* kProgram = "gnuplot";
 constexpr int kNotFound = 127, kBroken = 126;
 
-// In single quotes gnuplot takes everything as it is, a quote is written twice, and a line ends the string.
-std::string quoted(std::string text) {
-    std::ranges::replace(text, '\n', ' ');
-    std::string out = "'";
-    for (const char c : text) {
-        out += c == '\'' ? "''" : std::string(1, c);
-    }
-    return out + "'";
-}
-
 // The lower and the upper edge: powers of ten outside all positive errors.
 struct Edges {
     double lower = 1e-17, upper = 1.0;
@@ -72,17 +62,27 @@ int run_gnuplot(const std::string& script) {
 
 }  // namespace
 
+// In single quotes gnuplot takes everything as it is, a quote is written twice, and a line ends the string.
+std::string quoted_for_gnuplot(std::string text) {
+    std::ranges::replace(text, '\n', ' ');
+    std::string out = "'";
+    for (const char c : text) {
+        out += c == '\'' ? "''" : std::string(1, c);
+    }
+    return out + "'";
+}
+
 std::string plot_script(const StudyResult& result, const std::string& svg) {
     const Edges edges(result);
     fmt::memory_buffer text;
     const auto out = std::back_inserter(text);
     fmt::format_to(out, "set terminal svg size 900,600 dynamic noenhanced background rgb 'white' font 'sans,13'\n");
-    fmt::format_to(out, "set output {}\nset title {}\n", quoted(svg), quoted(result.name));
-    fmt::format_to(out, "set xlabel 'time of one pass [s]'\nset ylabel {}\n", quoted(fmt::format("error [{}]", result.unit)));
+    fmt::format_to(out, "set output {}\nset title {}\n", quoted_for_gnuplot(svg), quoted_for_gnuplot(result.name));
+    fmt::format_to(out, "set xlabel {}\nset ylabel {}\n", quoted_for_gnuplot(fmt::format("time of {} [s]", result.time)), quoted_for_gnuplot(fmt::format("error [{}]", result.unit)));
     fmt::format_to(out, "set logscale xy\nset format xy '%.0e'\nset grid\nset key outside bottom center horizontal\n");
     fmt::format_to(out, "set yrange [{:g}:{:g}]\nset offsets graph 0.05, graph 0.05, graph 0, graph 0\n", edges.lower, edges.upper);
-    fmt::format_to(out, "set label {} at graph 0.01, 0.02\n", quoted("on this edge: error 0"));
-    fmt::format_to(out, "set label {} at graph 0.01, 0.98\n", quoted("on this edge: failed"));
+    fmt::format_to(out, "set label {} at graph 0.01, 0.02\n", quoted_for_gnuplot("on this edge: error 0"));
+    fmt::format_to(out, "set label {} at graph 0.01, 0.98\n", quoted_for_gnuplot("on this edge: failed"));
 
     const std::vector<std::string> names = names_of(result);
     std::string plots;
@@ -92,7 +92,7 @@ std::string plot_script(const StudyResult& result, const std::string& svg) {
             if (p.who == names[k]) fmt::format_to(out, "{} {}\n", p.time_s, edges.place(p));
         }
         fmt::format_to(out, "END\n");
-        plots += fmt::format("$who{} using 1:2 with points pt 7 ps 0.9 lc {} title {}, ", k, k + 1, quoted(names[k]));
+        plots += fmt::format("$who{} using 1:2 with points pt 7 ps 0.9 lc {} title {}, ", k, k + 1, quoted_for_gnuplot(names[k]));
     }
     fmt::format_to(out, "$front << END\n");
     for (const std::size_t i : result.front) {
@@ -105,13 +105,17 @@ std::string plot_script(const StudyResult& result, const std::string& svg) {
     return fmt::to_string(text);
 }
 
-Result<Drawn> draw_svg(const StudyResult& result, const std::string& stem) {
-    const std::string script = stem + ".gp";
-    if (Status written = write_text(script, plot_script(result, stem + ".svg")); !written) return written.error();
-    const int code = run_gnuplot(script);
+Result<Drawn> run_script(const std::string& script, const std::string& stem) {
+    const std::string file = stem + ".gp";
+    if (Status written = write_text(file, script); !written) return written.error();
+    const int code = run_gnuplot(file);
     if (code == kNotFound) return Drawn::NoGnuplot;
-    if (code != 0) return Error{ErrorCode::Io, fmt::format("{} ended with code {}", kProgram, code), script};
+    if (code != 0) return Error{ErrorCode::Io, fmt::format("{} ended with code {}", kProgram, code), file};
     return Drawn::Yes;
+}
+
+Result<Drawn> draw_svg(const StudyResult& result, const std::string& stem) {
+    return run_script(plot_script(result, stem + ".svg"), stem);
 }
 
 }  // namespace carom::accuracy

@@ -16,6 +16,12 @@ namespace carom::accuracy {
 
 enum class Drawn : unsigned char { Yes, NoGnuplot };
 
+/// @return the text as a string of gnuplot's, on one line.
+[[nodiscard]] std::string quoted_for_gnuplot(std::string text);
+
+/// Writes `script` into `stem`.gp and has gnuplot run it; that is to write `stem`.svg. Returns as draw_svg does.
+[[nodiscard]] Result<Drawn> run_script(const std::string& script, const std::string& stem);
+
 /// Writes `stem`.gp and has gnuplot draw `stem`.svg from it.
 /// @return NoGnuplot where there is no such program on the PATH; the script is there all the same, to be run elsewhere. Io: the
 /// script cannot be written, or gnuplot failed; what it said went to stderr.

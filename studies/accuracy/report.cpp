@@ -33,14 +33,16 @@ Json study_json(const StudyResult& result) {
                           {"time_s", p.time_s},
                           {"time_iqr_s", p.time_iqr_s},
                           {"error", or_null(p.error)},
-                          {"failures", p.failures}});
+                          {"failures", p.failures},
+                          {"note", p.note}});
     }
     Json time_to = Json::object();
     for (std::size_t i = 0; i < kReach.size(); ++i) {
         time_to[kReachNames[i]] = or_null(result.time_to[i]);
     }
     return {{"name", result.name},     {"stage", result.stage}, {"error", result.error}, {"unit", result.unit},
-            {"oracle", result.oracle}, {"points", points},      {"front", result.front}, {"time_to", time_to}};
+            {"oracle", result.oracle}, {"time", result.time},   {"cases", settings_json(result.cases)},
+            {"points", points},      {"front", result.front}, {"time_to", time_to}};
 }
 
 std::string quoted(const std::string& field) {
@@ -57,6 +59,7 @@ bool on_front(const StudyResult& result, std::size_t index) { return std::ranges
 std::string time_text(const std::optional<double>& seconds) {
     if (!seconds) return "-";
     const double s = *seconds;
+    if (s < 1e-6) return fmt::format("{:.3g} ns", s * 1e9);
     if (s < 1e-3) return fmt::format("{:.3g} us", s * 1e6);
     return s < 1.0 ? fmt::format("{:.3g} ms", s * 1e3) : fmt::format("{:.3g} s", s);
 }
@@ -81,11 +84,11 @@ std::string to_json(std::span<const StudyResult> results) {
 }
 
 std::string to_csv(const StudyResult& result) {
-    std::string text = "who,settings,time_s,time_iqr_s,error,failures,front\n";
+    std::string text = "who,settings,time_s,time_iqr_s,error,failures,front,note\n";
     for (std::size_t i = 0; i < result.points.size(); ++i) {
         const Point& p = result.points[i];
-        text += fmt::format("{},{},{},{},{},{},{}\n", quoted(p.who), quoted(to_string(p.settings)), p.time_s, p.time_iqr_s,
-                            p.error ? fmt::format("{}", *p.error) : "", p.failures, on_front(result, i) ? 1 : 0);
+        text += fmt::format("{},{},{},{},{},{},{},{}\n", quoted(p.who), quoted(to_string(p.settings)), p.time_s, p.time_iqr_s,
+                            p.error ? fmt::format("{}", *p.error) : "", p.failures, on_front(result, i) ? 1 : 0, quoted(p.note));
     }
     return text;
 }
@@ -103,13 +106,13 @@ std::string to_table(const StudyResult& result) {
     }
     fmt::memory_buffer text;
     const auto out = std::back_inserter(text);
-    fmt::format_to(out, "{}: {}\n  oracle: {}\n", result.name, result.error, result.oracle);
+    fmt::format_to(out, "{}: {}\n  oracle: {}\n  time: {}\n", result.name, result.error, result.oracle, result.time);
     fmt::format_to(out, "  {:<8} {:<{}} {:>10} {:>10} {:>10} {:>8}\n", "who", "settings", widest, "time", "IQR", "error", "failures");
     for (const std::size_t i : order) {
         const Point& p = result.points[i];
-        fmt::format_to(out, "{} {:<8} {:<{}} {:>10} {:>10} {:>10} {:>8}\n", on_front(result, i) ? '*' : ' ', p.who, to_string(p.settings),
+        fmt::format_to(out, "{} {:<8} {:<{}} {:>10} {:>10} {:>10} {:>8}{}{}\n", on_front(result, i) ? '*' : ' ', p.who, to_string(p.settings),
                        widest, time_text(p.time_s), time_text(p.time_iqr_s), p.error ? fmt::format("{:.2e}", *p.error) : "failed",
-                       p.failures);
+                       p.failures, p.note.empty() ? "" : "  ", p.note);
     }
     for (const std::string& who : names_of(result)) {
         fmt::format_to(out, "  time for {} to reach", who);

@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <limits>
 
+#include <time.h>
+
 namespace carom::accuracy {
 namespace {
 
@@ -16,9 +18,11 @@ struct Tally {
     std::vector<double> times;
     double error = 0.0;
     std::size_t failures = 0;
+    std::string note;
 
     void add(const Sample& sample) {
         times.push_back(sample.time_s);
+        note = sample.note;
         const bool good = sample.error && is_finite(*sample.error) && *sample.error >= 0.0;
         failures = std::max(failures, sample.failures > 0 || good ? sample.failures : 1);
         if (good) error = std::max(error, *sample.error);
@@ -26,7 +30,7 @@ struct Tally {
 };
 
 Point point_of(const Candidate& candidate, const Tally& tally) {
-    Point point{candidate.who, candidate.settings, 0.0, 0.0, std::nullopt, tally.failures};
+    Point point{candidate.who, candidate.settings, 0.0, 0.0, std::nullopt, tally.failures, tally.note};
     const Quartiles q = quartiles(tally.times);
     point.time_s = q.median;
     point.time_iqr_s = q.upper - q.lower;
@@ -47,7 +51,7 @@ std::string to_string(const Settings& settings) {
 }
 
 StudyResult measure(const Study& study, const MeasureSettings& settings) {
-    StudyResult result{study.name, study.stage, study.error, study.unit, study.oracle, {}, {}, {}};
+    StudyResult result{study.name, study.stage, study.error, study.unit, study.oracle, study.time, study.cases, {}, {}, {}};
     CAROM_REQUIRE(settings.repeats >= 1, ErrorCode::InvalidArgument, "repeats must be at least 1", result);
     const bool runnable = std::ranges::all_of(study.candidates, [](const Candidate& c) { return static_cast<bool>(c.run); });
     CAROM_REQUIRE(!study.candidates.empty() && runnable, ErrorCode::InvalidArgument, "a study needs candidates that can run", result);
@@ -115,6 +119,12 @@ Quartiles quartiles(std::vector<double> values) {
         return values[below] + (place - static_cast<double>(below)) * (above - values[below]);
     };
     return {quantile(0.25), quantile(0.5), quantile(0.75)};
+}
+
+double ThreadStopwatch::now() {
+    timespec t{};
+    clock_gettime(CLOCK_THREAD_CPUTIME_ID, &t);
+    return static_cast<double>(t.tv_sec) + 1e-9 * static_cast<double>(t.tv_nsec);
 }
 
 }  // namespace carom::accuracy

@@ -34,6 +34,7 @@ struct Sample {
     double time_s = 0.0;          ///< wall time of the work alone, without comparing with the oracle [s]
     std::optional<double> error;  ///< in the study's measure, >= 0; none where there is no answer to judge
     std::size_t failures = 0;     ///< cases without an answer: an error, a cap reached, a value that is not finite
+    std::string note{};           ///< what the pass says about itself, such as which method it chose; mostly empty
 };
 
 /// One way to do the work, at one setting of its knobs.
@@ -49,6 +50,8 @@ struct Study {
     std::string error{};   ///< what the error measures, in words
     std::string unit{};    ///< of the error; "1" for a ratio
     std::string oracle{};  ///< what the error is measured against
+    std::string time = "one pass over all cases";  ///< what Sample::time_s is the time of
+    Settings cases{};      ///< the knobs of the cases, where studies of a group differ by them
     std::vector<Candidate> candidates{};
 };
 
@@ -60,13 +63,15 @@ struct Point {
     double time_iqr_s = 0.0;      ///< upper less lower quartile [s]
     std::optional<double> error;  ///< the largest over the repeats; none where a case failed
     std::size_t failures = 0;     ///< the largest over the repeats
+    std::string note{};           ///< of the last pass
 };
 
 /// The errors whose time a study asks for.
 inline constexpr std::array<double, 3> kReach{1e-2, 1e-3, 1e-4};
 
 struct StudyResult {
-    std::string name, stage, error, unit, oracle;
+    std::string name, stage, error, unit, oracle, time;
+    Settings cases;
     std::vector<Point> points;         ///< in the order of the candidates; failed ones too
     std::vector<std::size_t> front;    ///< pareto_front(points)
     std::array<std::optional<double>, kReach.size()> time_to;  ///< time_to_reach over the points of "carom" [s]
@@ -112,6 +117,16 @@ public:
 
 private:
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+};
+
+/// Processor time of the calling thread from its creation: what other programs take is not counted. A look costs some 0.2 us.
+class ThreadStopwatch {
+public:
+    [[nodiscard]] double seconds() const { return now() - start_; }
+
+private:
+    static double now();
+    double start_ = now();
 };
 
 }  // namespace carom::accuracy

@@ -36,6 +36,56 @@ TEST(Chooser, CountsWhatIsThere) {
     EXPECT_EQ(measure_all(points, 1.0).line_density, 9.0);
 }
 
+TEST(Chooser, TakesNoNoticeOfAFewBoxesFarAway) {
+    auto boxes = spread(3000, 30, 0.5);
+    const SceneStatistics before = measure_all(boxes, 0.5);
+    boxes[5] = test::box_about({1e9, -1e9, 1e9}, {0.5, 0.5, 0.5});
+    const SceneStatistics after = measure_all(boxes, 0.5);
+    EXPECT_NEAR(after.fill, before.fill, 0.02);
+    EXPECT_NEAR(after.line_density, before.line_density, 0.02 * before.line_density);
+    EXPECT_NEAR(after.largest_crowd, before.largest_crowd, 0.1 * before.largest_crowd);
+    // But where it is large, cells of its size would hold everything.
+    boxes[5] = test::box_about({1e9, -1e9, 1e9}, dvec3{1e8});
+    EXPECT_EQ(measure_all(boxes, 0.5).largest_crowd, 3000.0);
+    EXPECT_EQ(choose_method(measure_all(boxes, 0.5), BroadphaseMethod::UniformGrid).method, BroadphaseMethod::HierarchicalGrid);
+}
+
+// Each rule on either side of its threshold, for a scene that has no method yet (brute force) and for one that has the other one.
+TEST(Chooser, EveryThresholdIsWhereThePageSays) {
+    using enum BroadphaseMethod;
+    const SceneStatistics plain{.count = 5000,
+                                .median_size = 1.0,
+                                .p99_size = 1.5,
+                                .largest_size = 1.5,
+                                .largest_crowd = 2.0,
+                                .line_density = 100.0,
+                                .spread_axes = 3,
+                                .fill = 1.0,
+                                .moving_share = 0.1};
+    const auto with = [&](auto change, BroadphaseMethod current) {
+        SceneStatistics s = plain;
+        change(s);
+        return choose_method(s, current).method;
+    };
+    EXPECT_EQ(with([](SceneStatistics&) {}, UniformGrid), UniformGrid);
+    EXPECT_EQ(with([](SceneStatistics& s) { s.count = 500; }, UniformGrid), BruteForce);
+    EXPECT_EQ(with([](SceneStatistics& s) { s.count = 501; }, UniformGrid), UniformGrid);
+    EXPECT_EQ(with([](SceneStatistics& s) { s.count = 625; }, BruteForce), BruteForce);
+    EXPECT_EQ(with([](SceneStatistics& s) { s.count = 626; }, BruteForce), UniformGrid);
+    EXPECT_EQ(with([](SceneStatistics& s) { s.line_density = 39.0; }, UniformGrid), SortedAxes);
+    EXPECT_EQ(with([](SceneStatistics& s) { s.line_density = 41.0; }, UniformGrid), UniformGrid);
+    EXPECT_EQ(with([](SceneStatistics& s) { s.line_density = 49.0; }, SortedAxes), SortedAxes);
+    EXPECT_EQ(with([](SceneStatistics& s) { s.line_density = 39.0, s.moving_share = 0.16; }, UniformGrid), UniformGrid);
+    EXPECT_EQ(with([](SceneStatistics& s) { s.fill = 0.49, s.moving_share = 0.26; }, UniformGrid), SweepAndPrune);
+    EXPECT_EQ(with([](SceneStatistics& s) { s.fill = 0.51, s.moving_share = 0.26; }, UniformGrid), UniformGrid);
+    EXPECT_EQ(with([](SceneStatistics& s) { s.fill = 0.49, s.moving_share = 0.24; }, UniformGrid), UniformGrid);
+    EXPECT_EQ(with([](SceneStatistics& s) { s.fill = 0.6, s.moving_share = 0.21; }, SweepAndPrune), SweepAndPrune);
+    EXPECT_EQ(with([](SceneStatistics& s) { s.largest_size = 4.1, s.largest_crowd = 151.0; }, UniformGrid), HierarchicalGrid);
+    EXPECT_EQ(with([](SceneStatistics& s) { s.largest_size = 4.1, s.largest_crowd = 149.0; }, UniformGrid), UniformGrid);
+    EXPECT_EQ(with([](SceneStatistics& s) { s.largest_size = 3.9, s.largest_crowd = 151.0; }, UniformGrid), UniformGrid);
+    EXPECT_EQ(with([](SceneStatistics& s) { s.largest_size = 4.1, s.largest_crowd = 121.0; }, HierarchicalGrid), HierarchicalGrid);
+}
+
 TEST(Chooser, TakesTheMethodOfTheScene) {
     const auto method = [](const std::vector<FloatAabb>& boxes, double moving) {
         return choose_method(measure_all(boxes, moving), BroadphaseMethod::BruteForce).method;
@@ -52,18 +102,19 @@ TEST(Chooser, TakesTheMethodOfTheScene) {
 }
 
 TEST(Chooser, StaysWithWhatItHasNearAThreshold) {
-    SceneStatistics scene = measure_all(spread(220, 10, 0.5), 1.0);
+    SceneStatistics scene = measure_all(spread(550, 10, 0.5), 1.0);
     EXPECT_EQ(choose_method(scene, BroadphaseMethod::BruteForce).method, BroadphaseMethod::BruteForce);
     EXPECT_EQ(choose_method(scene, BroadphaseMethod::UniformGrid).method, BroadphaseMethod::UniformGrid);
     scene.count = 5000;
-    scene.largest_size = 3.5 * scene.median_size;
+    scene.largest_size = 9.0 * scene.median_size;
+    scene.largest_crowd = 130.0;
     EXPECT_EQ(choose_method(scene, BroadphaseMethod::HierarchicalGrid).method, BroadphaseMethod::HierarchicalGrid);
     EXPECT_EQ(choose_method(scene, BroadphaseMethod::UniformGrid).method, BroadphaseMethod::UniformGrid);
 }
 
 TEST(Chooser, ChangesMethodsUnderwayWithoutATraceInPairsAndEvents) {
     SerialExecutor executor;
-    test::Crowd crowd(test::Distribution::Uniform, 420, 8, true);
+    test::Crowd crowd(test::Distribution::Uniform, 700, 8, true);
     Broadphase broadphase;
     EXPECT_EQ(broadphase.method(), BroadphaseMethod::Automatic) << "there is nothing to choose by yet";
     EXPECT_NE(broadphase.reason(), "");
@@ -71,14 +122,14 @@ TEST(Chooser, ChangesMethodsUnderwayWithoutATraceInPairsAndEvents) {
     ASSERT_NO_FATAL_FAILURE(crowd.check(broadphase, executor));
     EXPECT_EQ(broadphase.method(), BroadphaseMethod::UniformGrid);
     bool grid_of_levels = false, brute_force = false;
-    for (int frame = 0; frame < 160; ++frame) {
+    for (int frame = 0; frame < 260; ++frame) {
         crowd.change(random, 0.1, 0.0);
         if (frame > 20 && frame < 30) crowd.scale(5, 2.0f);  // one box becomes much larger than the others
-        if (frame == 110) crowd.all_at_once(false);
+        if (frame == 220) crowd.all_at_once(false);
         SCOPED_TRACE(frame);
         ASSERT_NO_FATAL_FAILURE(crowd.check(broadphase, executor));
-        if (frame == 60) {
-            EXPECT_NE(broadphase.reason().find("420 boxes"), std::string::npos) << broadphase.reason();
+        if (frame == 160) {
+            EXPECT_NE(broadphase.reason().find("700 boxes"), std::string::npos) << broadphase.reason();
         }
         grid_of_levels |= broadphase.method() == BroadphaseMethod::HierarchicalGrid;
         brute_force |= broadphase.method() == BroadphaseMethod::BruteForce;

@@ -7,11 +7,14 @@
 #include "broadphase/distributions.hpp"
 
 #include <carom/broadphase/broadphase.hpp>
+#include <carom/core/check.hpp>
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
+#include <numeric>
 
 namespace carom::test {
 
@@ -90,6 +93,39 @@ public:
         boxes_[i].lower += by;
         boxes_[i].upper += by;
         moved_.push_back(i);
+    }
+    /// A live box becomes another one; a free slot comes alive with it.
+    void place(std::uint32_t i, const FloatAabb& box) {
+        boxes_[i] = box;
+        alive_[i] = true;
+        moved_.push_back(i);
+    }
+    /// Not in an update in which the slot is placed.
+    void take_out(std::uint32_t i) {
+        if (!alive_[i] || std::find(moved_.begin(), moved_.end(), i) != moved_.end()) return;
+        alive_[i] = false;
+        removed_.push_back(i);
+    }
+    /// Begins the next list of changes.
+    void rest() {
+        moved_.clear();
+        removed_.clear();
+    }
+    [[nodiscard]] std::uint32_t size() const noexcept { return static_cast<std::uint32_t>(boxes_.size()); }
+    [[nodiscard]] bool is_alive(std::uint32_t i) const { return alive_[i]; }
+    [[nodiscard]] const FloatAabb& box(std::uint32_t i) const { return boxes_[i]; }
+    /// Changes that must be refused: one of them has a bound that is not a number. The crowd stays as it is.
+    void refuse_nan(Broadphase& broadphase, Executor& executor, std::uint32_t i, int axis) const {
+        std::vector<FloatAabb> bad = boxes_;
+        for (FloatAabb& box : bad) box.upper += 1.0f;
+        bad[i].lower[axis] = std::numeric_limits<float>::quiet_NaN();
+        std::vector<std::uint32_t> all(bad.size());
+        std::iota(all.begin(), all.end(), 0u);
+        const std::vector<ProxyPair> pairs(broadphase.result().pairs.begin(), broadphase.result().pairs.end());
+        const std::size_t live = broadphase.live_count();
+        EXPECT_THROW(broadphase.update({bad, filters_, all, {}}, executor), MisuseError);
+        EXPECT_TRUE(std::equal(pairs.begin(), pairs.end(), broadphase.result().pairs.begin(), broadphase.result().pairs.end()));
+        EXPECT_EQ(broadphase.live_count(), live);
     }
     /// About its lower corner, up to a size of 1e6 m.
     void scale(std::uint32_t i, float factor) {

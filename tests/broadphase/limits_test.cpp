@@ -116,5 +116,62 @@ TEST(WorstCases, AreFoundByTheChosenMethodInLinearMemory) {
     }
 }
 
+// Case: a million boxes that one far away would have share a cell. They stand in a square of 1000 by 1000, so their pairs can be counted.
+TEST(WorstCases, AMillionBoxesInOneCellAreFoundInLinearMemory) {
+    SerialExecutor executor;
+    constexpr std::size_t kRow = 1000, n = kRow * kRow + 1;
+    std::vector<FloatAabb> boxes;
+    for (std::size_t i = 0; i + 1 < n; ++i) {
+        const dvec3 lower{static_cast<double>(i % kRow), 0.0, static_cast<double>(i / kRow)};
+        boxes.push_back({vec3(lower), vec3(lower + 1.25)});  // overlaps the neighbours, at the corners too
+    }
+    boxes.push_back({vec3{1e9f}, vec3{1.1e9f}});
+    const std::vector<ProxyFilter> filters(n);
+    Broadphase broadphase;
+    const PairUpdate& found = broadphase.update({boxes, filters, all_slots(n), {}}, executor);
+    EXPECT_EQ(found.pairs.size(), 2 * kRow * (kRow - 1) + 2 * (kRow - 1) * (kRow - 1));
+    EXPECT_LT(broadphase.memory(), 400 * n);
+    EXPECT_TRUE(std::all_of(found.pairs.begin(), found.pairs.end(),
+                            [&](const ProxyPair& pair) { return pair.a < pair.b && overlaps(boxes[pair.a], boxes[pair.b]); }));
+    EXPECT_TRUE(std::is_sorted(found.pairs.begin(), found.pairs.end()));
+}
+
+// Case: everything overlaps on one axis. Sorting along that axis alone would find all pairs of boxes, so neither axes nor a
+// single sweep may be the choice.
+TEST(WorstCases, ASheetOfBoxesIsNotSortedAlongItsThinAxis) {
+    std::vector<FloatAabb> sheet;
+    Random random(40);
+    for (int i = 0; i < 100000; ++i) {
+        sheet.push_back(test::box_about({random.range(-0.1, 0.1), 1.1 * (i % 316), 1.1 * (i / 316)}, dvec3{0.5}));
+    }
+    SerialExecutor executor;
+    const std::vector<ProxyFilter> filters(sheet.size());
+    Broadphase broadphase;
+    const PairUpdate& found = broadphase.update({sheet, filters, all_slots(sheet.size()), {}}, executor);
+    EXPECT_EQ(broadphase.method(), BroadphaseMethod::UniformGrid) << broadphase.reason();
+    EXPECT_TRUE(found.pairs.empty());
+}
+
+// Case: a stack 1e6 and 1e7 m from the origin has the pairs that it has at the origin, as boxes are relative to a double origin.
+TEST(FarAway, AStackHasNoMorePairs) {
+    SerialExecutor executor;
+    const auto pairs_at = [&](const dvec3& origin) {
+        std::vector<FloatAabb> boxes;
+        for (int i = 0; i < 200; ++i) {
+            const dvec3 lower = origin + dvec3{1.01 * (i % 5), 0.999 * (i / 5), 0.0};  // neighbours in a row are 1 cm apart
+            boxes.push_back(round_outward({lower, lower + 1.0}, origin));
+        }
+        const std::vector<ProxyFilter> filters(boxes.size());
+        Broadphase broadphase;
+        return broadphase.update({boxes, filters, all_slots(boxes.size()), {}}, executor).pairs.size();
+    };
+    const std::size_t here = pairs_at(dvec3{0.0});
+    EXPECT_EQ(here, 5u * 39u);
+    for (const double far : {1e6, 1e7}) {
+        EXPECT_GE(pairs_at({far, -far, far}), here);
+        EXPECT_LE(pairs_at({far, -far, far}), here + here / 10);
+    }
+}
+
 }  // namespace
 }  // namespace carom

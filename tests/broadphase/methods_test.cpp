@@ -1,6 +1,7 @@
 // Every method gives the oracle's pairs and events: on every distribution, over frames of motion, insertion and removal, at every
 // SIMD width and thread count.
 #include "broadphase/crowd.hpp"
+#include "broadphase/executors.hpp"
 
 #include <carom/broadphase/broadphase.hpp>
 #include <carom/core/check.hpp>
@@ -10,28 +11,12 @@
 
 #include <algorithm>
 #include <limits>
-#include <thread>
 
 namespace carom {
 namespace {
 
 using test::Crowd;
 using test::Distribution;
-
-/// Cuts loops into ranges of odd sizes on three threads, so that pieces are made in no fixed order.
-class ScatteringExecutor final : public Executor {
-public:
-    [[nodiscard]] int thread_count() const noexcept override { return 3; }
-    void parallel_for(std::size_t count, std::size_t grain, Body body) override {
-        std::vector<std::thread> threads;
-        for (std::size_t t = 0; t < 3; ++t) {
-            threads.emplace_back([=] {
-                for (std::size_t begin = t * grain; begin < count; begin += 3 * grain) body(begin, std::min(begin + grain, count));
-            });
-        }
-        for (std::thread& thread : threads) thread.join();
-    }
-};
 
 std::vector<ProxyPair> copy(std::span<const ProxyPair> pairs) { return {pairs.begin(), pairs.end()}; }
 
@@ -99,7 +84,7 @@ TEST_P(Methods, GiveTheOraclesListForEveryCount) {
 }
 
 TEST_P(Methods, AreTheSameAtEveryWidthAndOnManyThreads) {
-    ScatteringExecutor scattering;
+    test::ScatteringExecutor scattering;
     for (const Distribution kind : test::kDistributions) {
         const std::size_t n = kind == Distribution::Coincident ? 100 : 500;
         for (const int width : available_simd_widths()) {

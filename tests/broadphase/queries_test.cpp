@@ -8,8 +8,10 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <functional>
 #include <limits>
+#include <numeric>
 
 namespace carom {
 namespace {
@@ -121,6 +123,90 @@ TEST_P(Queries, AgreeWithEveryBoxLookedAtByItself) {
             SCOPED_TRACE(testing::Message() << "distribution " << int(kind) << ", frame " << frame);
             for (int i = 0; i < 30; ++i) ASSERT_NO_FATAL_FAILURE(compare(broadphase, 400, random));
             crowd.change(random, 0.1, 0.05);
+        }
+    }
+}
+
+// Boxes on a lattice, so that rays run along faces, through edges and corners, and along the borders of cells; all numbers are exact. Some
+// boxes span many cells, some rays start very far away, and directions have zeros of both signs.
+TEST_P(Queries, RaysAlongBordersFromAfarAndThroughLongBoxes) {
+    SerialExecutor executor;
+    Random random(17);
+    const auto lattice = [&](double size) { return 0.25 * std::floor(random.range(-4.0 * size, 4.0 * size)); };
+    for (const bool spread : {false, true}) {  // in a cube; in clumps far apart, where cells are hashed
+        std::vector<FloatAabb> boxes;
+        for (int i = 0; i < 600; ++i) {
+            const double clump = spread ? 4096.0 * (i % 4) : 0.0;
+            const dvec3 lower{lattice(4) + clump, lattice(4) - clump, lattice(4)};
+            dvec3 edge{0.25 * (i % 5), 0.25 * (i % 3), 0.25 * (i % 7)};
+            if (i % 100 == 7) edge[i / 100 % 3] = 12.0;
+            boxes.push_back({vec3(lower), vec3(lower + edge)});
+        }
+        const std::vector<ProxyFilter> filters(boxes.size());
+        std::vector<std::uint32_t> slots(boxes.size());
+        std::iota(slots.begin(), slots.end(), 0u);
+        Broadphase broadphase({.method = GetParam()});
+        broadphase.update({boxes, filters, slots, {}}, executor);
+        std::size_t hits = 0;
+        const auto check = [&](const dvec3& origin, const dvec3& direction, double t_max) {
+            SCOPED_TRACE(testing::Message() << origin.x << ' ' << origin.y << ' ' << origin.z << " + t (" << direction.x << ' '
+                                            << direction.y << ' ' << direction.z << "), t <= " << t_max);
+            Slots want;
+            std::optional<BoxHit> first;
+            for (std::uint32_t i = 0; i < boxes.size(); ++i) {
+                const double t = entry(boxes[i], origin, direction, dvec3{0.0});
+                if (t > t_max) continue;
+                want.push_back(i);
+                if (!first || t < first->t) first = BoxHit{i, t};
+            }
+            hits += want.size();
+            ASSERT_EQ(visited([&](SlotVisitor v) { query_ray(broadphase, origin, direction, t_max, v); }), want);
+            const auto any = [](std::uint32_t) { return true; };
+            ASSERT_EQ(closest_on_ray(broadphase, origin, direction, t_max, any), first);
+        };
+        for (int i = 0; i < 400; ++i) {
+            const double clump = spread ? 4096.0 * (i % 4) : 0.0;
+            const dvec3 at{lattice(6) + clump, lattice(6) - clump, lattice(6)};
+            const double zero = i % 2 == 0 ? 0.0 : -0.0, sign = i % 3 == 0 ? -1.0 : 1.0;
+            dvec3 along{zero};
+            along[i % 3] = sign * (i % 5 == 0 ? 0.5 : 1.0);
+            ASSERT_NO_FATAL_FAILURE(check(at, along, random.unit() < 0.3 ? 1e6 : 8.0));
+            ASSERT_NO_FATAL_FAILURE(check(at - 0x1p30 * along, along, 0x1p33));
+            dvec3 diagonal{sign, 1.0, zero};  // through edges of the lattice
+            std::swap(diagonal[2], diagonal[i % 3]);
+            ASSERT_NO_FATAL_FAILURE(check(at, diagonal, 20.0));
+            ASSERT_NO_FATAL_FAILURE(check(at - 0x1p20 * diagonal, diagonal, 0x1p22));
+            ASSERT_NO_FATAL_FAILURE(check(at, dvec3{sign, -1.0, 1.0}, 0.0));
+            ASSERT_NO_FATAL_FAILURE(check(at, dvec3{sign, -1.0, 1.0}, 30.0));
+        }
+        EXPECT_GT(hits, 500u);
+        // Directions so long or short that products pass the range of double.
+        std::size_t none = 0;
+        query_ray(broadphase, dvec3{0.0}, dvec3{1e200, 1e200, -1e200}, 1e200, [&](std::uint32_t) { return ++none, true; });
+        query_ray(broadphase, dvec3{1e300}, dvec3{1e-300, 0.0, 0.0}, 1e300, [&](std::uint32_t) { return ++none, true; });
+        EXPECT_LE(none, boxes.size());
+    }
+}
+
+// A walk starts where the ray does, whichever way it goes, and ends soon after the nearest box.
+TEST(RayWalk, AsksForBoxesNearTheFirstHitOnly) {
+    SerialExecutor executor;
+    Random random(23);
+    std::vector<FloatAabb> boxes;
+    for (int i = 0; i < 4000; ++i)
+        boxes.push_back(test::box_about({random.range(0, 400), random.range(0, 4), random.range(0, 4)}, dvec3{0.5}));
+    const std::vector<ProxyFilter> filters(boxes.size());
+    std::vector<std::uint32_t> slots(boxes.size());
+    std::iota(slots.begin(), slots.end(), 0u);
+    for (const BroadphaseMethod method : {BroadphaseMethod::UniformGrid, BroadphaseMethod::HierarchicalGrid}) {
+        Broadphase broadphase({.method = method});
+        broadphase.update({boxes, filters, slots, {}}, executor);
+        for (const double sign : {1.0, -1.0}) {
+            int asked = 0;
+            const auto accept = [&](std::uint32_t) { return ++asked, true; };
+            const dvec3 origin{sign > 0.0 ? -10.0 : 410.0, 2.0, 2.0};
+            EXPECT_TRUE(closest_on_ray(broadphase, origin, {sign, 0.0, 0.0}, 1e3, accept).has_value());
+            EXPECT_LT(asked, 10) << to_string(method) << ", " << sign;
         }
     }
 }

@@ -152,9 +152,9 @@ TEST(Measure, RefusesMisuse) {
 }
 
 StudyResult example() {
-    StudyResult result{"demo", "a stage", "how wrong, \"in words\"", "m", "an oracle", {}, {}, {}};
+    StudyResult result{"demo", "a stage", "how wrong, \"in words\"", "m", "an oracle", "a pass", {{"count", 3.0}}, {}, {}, {}};
     result.points.push_back({"carom", {{"precision", std::string("double")}, {"width", 8.0}}, 0.25, 0.5, 1e-3, 0});
-    result.points.push_back({"peer", {{"mode", std::string("a,b \"c\"")}}, 0.125, 0.0625, std::nullopt, 3});
+    result.points.push_back({"peer", {{"mode", std::string("a,b \"c\"")}}, 0.125, 0.0625, std::nullopt, 3, "tired, \"so\""});
     result.points.push_back({"carom", {}, 0.5, 0.0, 0.0, 0});
     result.front = pareto_front(result.points);
     for (std::size_t i = 0; i < kReach.size(); ++i) {
@@ -167,10 +167,11 @@ TEST(Report, JsonHasExactlyItsKeys) {
     const Json json = Json::parse(to_json(std::vector{example()}));
     EXPECT_EQ(json, Json::parse(R"({"studies": [{
         "name": "demo", "stage": "a stage", "error": "how wrong, \"in words\"", "unit": "m", "oracle": "an oracle",
+        "time": "a pass", "cases": {"count": 3.0},
         "points": [
-            {"who": "carom", "settings": {"precision": "double", "width": 8.0}, "time_s": 0.25, "time_iqr_s": 0.5, "error": 1e-3, "failures": 0},
-            {"who": "peer", "settings": {"mode": "a,b \"c\""}, "time_s": 0.125, "time_iqr_s": 0.0625, "error": null, "failures": 3},
-            {"who": "carom", "settings": {}, "time_s": 0.5, "time_iqr_s": 0.0, "error": 0.0, "failures": 0}],
+            {"who": "carom", "settings": {"precision": "double", "width": 8.0}, "time_s": 0.25, "time_iqr_s": 0.5, "error": 1e-3, "failures": 0, "note": ""},
+            {"who": "peer", "settings": {"mode": "a,b \"c\""}, "time_s": 0.125, "time_iqr_s": 0.0625, "error": null, "failures": 3, "note": "tired, \"so\""},
+            {"who": "carom", "settings": {}, "time_s": 0.5, "time_iqr_s": 0.0, "error": 0.0, "failures": 0, "note": ""}],
         "front": [0, 2],
         "time_to": {"1e-2": 0.25, "1e-3": 0.25, "1e-4": 0.5}}]})"));
     StudyResult nothing = example();
@@ -182,10 +183,10 @@ TEST(Report, JsonHasExactlyItsKeys) {
 
 TEST(Report, CsvIsQuotedWhereItMustBe) {
     EXPECT_EQ(to_csv(example()),
-              "who,settings,time_s,time_iqr_s,error,failures,front\n"
-              "carom,precision=double width=8,0.25,0.5,0.001,0,1\n"
-              "peer,\"mode=a,b \"\"c\"\"\",0.125,0.0625,,3,0\n"
-              "carom,,0.5,0,0,0,1\n");
+              "who,settings,time_s,time_iqr_s,error,failures,front,note\n"
+              "carom,precision=double width=8,0.25,0.5,0.001,0,1,\n"
+              "peer,\"mode=a,b \"\"c\"\"\",0.125,0.0625,,3,0,\"tired, \"\"so\"\"\"\n"
+              "carom,,0.5,0,0,0,1,\n");
 }
 
 TEST(Report, TheTableMarksTheFrontAndKeepsFailures) {
@@ -193,6 +194,7 @@ TEST(Report, TheTableMarksTheFrontAndKeepsFailures) {
     EXPECT_NE(table.find("* carom    precision=double width=8"), std::string::npos) << table;
     EXPECT_NE(table.find("  peer "), std::string::npos) << table;
     EXPECT_NE(table.find("failed"), std::string::npos) << table;
+    EXPECT_NE(table.find("3  tired, \"so\"\n"), std::string::npos) << "the note stands last:\n" << table;
     EXPECT_NE(table.find("time for carom to reach 1e-2: 250 ms, 1e-3: 250 ms, 1e-4: 500 ms"), std::string::npos) << table;
     EXPECT_NE(table.find("time for peer to reach 1e-2: -, 1e-3: -, 1e-4: -"), std::string::npos) << table;
 }
