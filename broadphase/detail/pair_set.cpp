@@ -90,8 +90,11 @@ void PairSet::replace(const PairPieces& found, std::size_t slots, Executor& exec
     first_pair[shares] = total;
     std::array<ListChanges, kMostShares> changes;
     executor.parallel_for(shares, 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) deal_out(found, first_row[k], first_row[k + 1]);
+    });
+    // Sorting reads a little beyond a row, and so what the next share dealt out.
+    executor.parallel_for(shares, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
-            deal_out(found, first_row[k], first_row[k + 1]);
             sort_rows(row_values_.data(), first_pair[k], static_cast<std::uint32_t>(first_row[k]),
                       {row_ends_.data() + first_row[k], first_row[k + 1] - first_row[k]}, pairs_.data());
             changes[k] = compare_rows(first_row[k], first_row[k + 1], first_pair[k], first_pair[k + 1]);
