@@ -41,10 +41,12 @@ geo::Triangle<double> triangle_of(const WideLeaf& leaf, std::uint32_t k, double 
 double unit_of(const WideBvh& tree) noexcept { return 1.0 / static_cast<double>(tree.scale); }
 
 WideVolume box_volume(const WideBvh& tree, const dvec3& lower, const dvec3& upper) noexcept {
+    // Lanes without a child have infinite boxes, which no finite bound meets; NaN stays and meets nothing.
+    constexpr float kLargest = std::numeric_limits<float>::max();
     WideVolume volume{};
     for (int k = 0; k < 3; ++k) {
-        volume.lower[k] = at_most(static_cast<double>(tree.scale) * lower[k]);
-        volume.upper[k] = at_least(static_cast<double>(tree.scale) * upper[k]);
+        volume.lower[k] = std::max(at_most(static_cast<double>(tree.scale) * lower[k]), -kLargest);
+        volume.upper[k] = std::min(at_least(static_cast<double>(tree.scale) * upper[k]), kLargest);
     }
     return volume;
 }
