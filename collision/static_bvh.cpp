@@ -5,6 +5,8 @@
 #include <carom/collision/detail/wide_bvh.hpp>
 #include <carom/collision/detail/wide_refit.hpp>
 
+#include <atomic>
+#include <cstdint>
 #include <string>
 #include <utility>
 
@@ -13,9 +15,14 @@ namespace {
 
 static_assert(StaticBvh::kMaxTriangles == WideBvh::kMaxTriangles);
 
+std::uint64_t next_id() noexcept {
+    static std::atomic<std::uint64_t> last{0};
+    return last.fetch_add(1, std::memory_order_relaxed) + 1;
+}
+
 }  // namespace
 
-StaticBvh::StaticBvh(WideBvh&& wide) : wide_(std::make_unique<WideBvh>(std::move(wide))) {}
+StaticBvh::StaticBvh(WideBvh&& wide) : wide_(std::make_unique<WideBvh>(std::move(wide))) { wide_->id = next_id(); }
 StaticBvh::StaticBvh(StaticBvh&&) noexcept = default;
 StaticBvh& StaticBvh::operator=(StaticBvh&&) noexcept = default;
 StaticBvh::~StaticBvh() = default;
