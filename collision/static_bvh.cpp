@@ -50,7 +50,7 @@ Status StaticBvh::refit(std::span<const vec3> vertices, std::span<const Triangle
 std::size_t StaticBvh::triangle_count() const noexcept { return wide_->triangle_count; }
 std::size_t StaticBvh::bytes() const noexcept { return sizeof(WideBvh) + wide_->lines.capacity() * sizeof(WideBvh::Line); }
 double StaticBvh::sah_cost() const noexcept { return wide_->sah_cost; }
-double StaticBvh::degradation() const noexcept { return wide_->sah_cost / wide_->built_cost; }
+double StaticBvh::degradation() const noexcept { return wide_->crowding / wide_->built_crowding; }
 
 Aabb StaticBvh::bounds() const noexcept {
     const double unit = 1.0 / static_cast<double>(wide_->scale);

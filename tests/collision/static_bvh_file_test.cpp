@@ -7,6 +7,7 @@
 #include <fuzz/static_bvh_file_check.hpp>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
 #include <vector>
@@ -81,6 +82,85 @@ TEST(StaticBvhRefit, ShufflingTheVerticesDegradesTheTree) {
     }
     ASSERT_TRUE(bvh.refit(grid.vertices, grid.triangles));
     EXPECT_GT(bvh.degradation(), 2.0);
+}
+
+/// Small triangles all over a cube, each with corners of its own.
+Grid specks(std::uint32_t count) {
+    Random random(5);
+    Grid grid;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const auto in = [&](double size) { return static_cast<float>(random.range(-size, size)); };
+        const vec3 at{in(5), in(5), in(5)};
+        for (int k = 0; k < 3; ++k) grid.vertices.push_back(at + vec3{in(0.1), in(0.1), in(0.1)});
+        grid.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    }
+    return grid;
+}
+
+TEST(StaticBvhRefit, ATriangleThatStraysDoesNotHideWhatBecameOfTheRest) {
+    const Grid before = specks(4000);
+    StaticBvh bvh = *StaticBvh::build(before.vertices, before.triangles);
+    Grid after = before;
+    for (const float far : {100.0f, 1e4f, 1e6f}) {
+        after.vertices[0] = vec3{far};
+        ASSERT_TRUE(bvh.refit(after.vertices, after.triangles));
+        EXPECT_LT(bvh.degradation(), 1.5) << "one triangle is no reason to build";
+    }
+    // Each triangle takes the place of another.
+    const std::size_t count = before.triangles.size();
+    for (std::size_t i = 0; i < count; ++i) {
+        for (std::size_t k = 0; k < 3; ++k) after.vertices[3 * i + k] = before.vertices[3 * ((i * 1117) % count) + k];
+    }
+    ASSERT_TRUE(bvh.refit(after.vertices, after.triangles));
+    EXPECT_GT(bvh.degradation(), 20.0);
+    after.vertices[0] = vec3{1e4f};
+    ASSERT_TRUE(bvh.refit(after.vertices, after.triangles));
+    EXPECT_GT(bvh.degradation(), 20.0);
+    EXPECT_GT(StaticBvh::load(bvh.save())->degradation(), 20.0) << "a file keeps it";
+    // Neither size nor place of the whole matters.
+    for (vec3& v : after.vertices) v = 16.0f * v;
+    const double was = bvh.degradation();
+    ASSERT_TRUE(bvh.refit(after.vertices, after.triangles));
+    EXPECT_EQ(bvh.degradation(), was);
+    EXPECT_EQ(StaticBvh::build(after.vertices, after.triangles)->degradation(), 1.0);
+}
+
+TEST(StaticBvhRefit, AFlatMeshHasNoDegradationOfItsOwn) {
+    Grid flat = waves(20, 0.0f, 0.0f);
+    for (vec3& v : flat.vertices) v.y = 0.1f;
+    StaticBvh bvh = *StaticBvh::build(flat.vertices, flat.triangles);
+    EXPECT_EQ(bvh.degradation(), 1.0);
+    ASSERT_TRUE(bvh.refit(flat.vertices, flat.triangles));
+    EXPECT_EQ(bvh.degradation(), 1.0);
+}
+
+// Which copies of a corner share a leaf must not matter.
+TEST(StaticBvhRefit, CornersAtOnePositionStayTogetherWhereverTheyAre) {
+    const Grid grid = waves(12, 0.3f);
+    Grid soup;
+    for (const StaticBvh::Triangle& t : grid.triangles) {
+        const auto first = static_cast<std::uint32_t>(soup.vertices.size());
+        for (const std::uint32_t v : t) soup.vertices.push_back(grid.vertices[v]);
+        soup.triangles.push_back({first, first + 1, first + 2});
+    }
+    StaticBvh bvh = *StaticBvh::build(soup.vertices, soup.triangles);
+    int shared = 0;
+    for (std::size_t i = 0; i < soup.vertices.size(); ++i) {
+        const bool alone = std::count(soup.vertices.begin(), soup.vertices.end(), soup.vertices[i]) == 1;
+        Grid moved = soup;
+        moved.vertices[i].y += 0.5f;
+        const Status status = StaticBvh::load(bvh.save())->refit(moved.vertices, moved.triangles);
+        ASSERT_EQ(static_cast<bool>(status), alone) << i;
+        shared += alone ? 0 : 1;
+    }
+    EXPECT_GT(shared, 700);
+    EXPECT_TRUE(StaticBvh::build(grid.vertices, grid.triangles)->refit(waves(12, 0.9f).vertices, grid.triangles));
+    // Corners of their own may meet and part again.
+    StaticBvh free = *StaticBvh::build(grid.vertices, grid.triangles);
+    std::vector<vec3> collapsed(grid.vertices.size(), vec3{1.0f});
+    ASSERT_TRUE(free.refit(collapsed, grid.triangles));
+    ASSERT_TRUE(free.refit(grid.vertices, grid.triangles));
+    EXPECT_TRUE(same(cast_many(free, 4), cast_many(*StaticBvh::build(grid.vertices, grid.triangles), 4)));
 }
 
 TEST(StaticBvhRefit, RefusesWhatOnlyABuildCanDo) {
