@@ -107,6 +107,21 @@ geo::Obb<double> box_round(const geo::Capsule<double>& c) noexcept {
     return box;
 }
 
+/// The distance also where its square is out of range.
+double distance_of(const geo::ClosestPoints<double>& c) noexcept {
+    if (c.distance_sq > 0x1p-960 && c.distance_sq < 0x1p960) return std::sqrt(c.distance_sq);
+    const dvec3 d = glm::abs(c.on_b - c.on_a);
+    const double largest = std::max({d.x, d.y, d.z});
+    return largest > 0.0 ? largest * glm::length(d / largest) : std::sqrt(c.distance_sq);
+}
+
+/// By how much the computed distance may be too large: see geo::closest_points(); no two corners are farther apart than twice the farthest
+/// from the point.
+double distance_error(const dvec3& point, const geo::Triangle<double>& t) noexcept {
+    const dvec3 far = glm::max(glm::abs(t.a - point), glm::max(glm::abs(t.b - point), glm::abs(t.c - point)));
+    return 32.0 * 0x1p-52 * std::max({far.x, far.y, far.z});
+}
+
 /// Cuts polygons by half-spaces normal . x <= offset, which keep what rounding might have put beyond them.
 class Cutter {
 public:
@@ -205,11 +220,15 @@ std::optional<ClosestOnMesh> closest_point(const StaticBvh& bvh, const dvec3& po
     double least_sq = std::numeric_limits<double>::infinity();
     visit_leaves_near(tree, start, at_least(scale * radius), [&](const WideLeaf& leaf) {
         for (std::uint32_t k = 0; k < leaf.triangle_count; ++k) {
-            const geo::ClosestPoints<double> c = geo::closest_points(point, triangle_of(leaf, k, unit));
-            const bool nearer = c.distance_sq < least_sq || (best && c.distance_sq == least_sq && leaf.triangle[k] < best->triangle);
-            if (!nearer || !(std::sqrt(c.distance_sq) <= radius)) continue;
+            const geo::Triangle<double> t = triangle_of(leaf, k, unit);
+            const geo::ClosestPoints<double> c = geo::closest_points(point, t);
+            if (best && c.distance_sq > least_sq) continue;
+            const ClosestOnMesh here{c.on_b, distance_of(c), leaf.triangle[k]};
+            const bool ties = best && c.distance_sq == least_sq && here.distance >= best->distance;
+            if (ties && (here.distance > best->distance || here.triangle > best->triangle)) continue;
+            if (here.distance > radius && here.distance - radius > distance_error(point, t)) continue;
             least_sq = c.distance_sq;
-            best = ClosestOnMesh{c.on_b, std::sqrt(c.distance_sq), leaf.triangle[k]};
+            best = here;
         }
         return at_least(scale * (best ? best->distance : radius));
     });
