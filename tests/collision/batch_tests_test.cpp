@@ -193,6 +193,32 @@ TEST(Batch, OfPointAndTrianglesIsClosestWithinTheBound) {
     });
 }
 
+// Far from the world's origin it is the rounding of the point that counts, and only that.
+TEST(Batch, ClosestPointsFarFromTheOriginAreRoundedAndNoMore) {
+    Random random(0x0707);
+    for (const double far : {0.0, 10.0, 1e3, 1e5, 1e6}) {
+        double worst = 0.0;
+        for (int i = 0; i < 2000; ++i) {
+            const auto point = [&] { return vec3(dvec3{far} + dvec3{random.range(-1, 1), random.range(-1, 1), random.range(-1, 1)}); };
+            const std::array<Triangle<float>, 1> t{Triangle<float>{point(), point(), point()}};
+            const vec3 p = point();
+            std::array<ClosestPoints<float>, 1> closest;
+            closest_points_batch(t, p, closest);
+            double size = 0.0;
+            for (const vec3& corner : {t[0].a, t[0].b, t[0].c}) {
+                const dvec3 d = glm::abs(dvec3(corner) - dvec3(p));
+                size = std::max({size, d.x, d.y, d.z});
+            }
+            const Triangle<double> exact{dvec3(t[0].a), dvec3(t[0].b), dvec3(t[0].c)};
+            const double outside = std::sqrt(closest_points(dvec3(closest[0].on_b), exact).distance_sq);
+            const double half_ulps = glm::length(dvec3(glm::abs(closest[0].on_b))) * 0x1p-24;
+            ASSERT_LE(outside, 16 * kEps * size + half_ulps) << far;
+            worst = std::max(worst, outside / (16 * kEps * size + half_ulps));
+        }
+        EXPECT_GT(worst, 0.01) << "the bound says nothing";
+    }
+}
+
 TEST(Batch, HasTheSameBitsAtEveryWidth) {
     Cases<float> cases(0x0706);
     const Ray<float> ray{.origin = {-3, 0.1f, 0.2f}, .direction = {1, 0.02f, -0.03f}};
