@@ -51,6 +51,14 @@ WideVolume box_volume(const WideBvh& tree, const dvec3& lower, const dvec3& uppe
     return volume;
 }
 
+/// How far from a volume geo::overlaps() may still see a triangle of the tree: 128 eps of the largest coordinate difference, which is at
+/// most twice what is summed here. A box without that would make the answer depend on the shape of the tree.
+double touching_distance(const WideBvh& tree, const dvec3& center, double half_size) noexcept {
+    const dvec3 far = dvec3(glm::max(glm::abs(tree.lower), glm::abs(tree.upper))) / static_cast<double>(tree.scale);
+    const dvec3 from = glm::abs(center);
+    return 0x1p-44 * (std::max({far.x, far.y, far.z}) + std::max({from.x, from.y, from.z}) + half_size);
+}
+
 /// Cuts the volume by normal . x <= offset, in the mesh's coordinates; the normal of unit length.
 void cut(WideVolume& volume, const WideBvh& tree, const dvec3& normal, double offset) noexcept {
     // The coordinates of a corner are exact. Its product with the rounded normal is wrong by less than 8 u of the sum of |normal| |x|,
@@ -65,14 +73,13 @@ void cut(WideVolume& volume, const WideBvh& tree, const dvec3& normal, double of
 
 /// The volume of a box with axes of its own.
 WideVolume turned_volume(const WideBvh& tree, const geo::Obb<double>& box) noexcept {
-    dvec3 reach{0.0};
+    const double touch = 2.0 * touching_distance(tree, box.center, glm::length(box.half_extents));  // and the rounding of sums below
+    dvec3 reach{touch};
     for (int k = 0; k < 3; ++k) reach += box.half_extents[k] * glm::abs(box.axes[k]);
-    // The axes are orthonormal to a few ulp, which a share of 1e-14 covers.
-    reach = reach * (1.0 + 1e-14) + 1e-14 * glm::abs(box.center);
     WideVolume volume = box_volume(tree, box.center - reach, box.center + reach);
     for (int k = 0; k < 3; ++k) {
         const double along = glm::dot(box.axes[k], box.center);
-        const double half = box.half_extents[k] + 1e-14 * (glm::length(box.half_extents) + glm::length(box.center));
+        const double half = box.half_extents[k] + touch;
         cut(volume, tree, box.axes[k], along + half);
         cut(volume, tree, -box.axes[k], half - along);
     }
@@ -197,7 +204,7 @@ void overlapping_triangles(const StaticBvh& bvh, const geo::Aabb<double>& volume
 }
 
 void overlapping_triangles(const StaticBvh& bvh, const geo::Sphere<double>& volume, TriangleVisit visit) {
-    const dvec3 reach = dvec3{volume.radius} + 1e-14 * (glm::abs(volume.center) + dvec3{volume.radius});
+    const dvec3 reach{volume.radius + touching_distance(bvh.wide(), volume.center, volume.radius)};
     visit_overlaps(bvh, box_volume(bvh.wide(), volume.center - reach, volume.center + reach), volume, visit);
 }
 

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <functional>
@@ -189,6 +190,43 @@ TEST(Batch, OfPointAndTrianglesIsClosestWithinTheBound) {
                 worst = std::max(worst, std::max(off, outside) / allowed);
             }
         }
+        testing::Test::RecordProperty("worst", std::to_string(worst));
+    });
+}
+
+// Triangles that the ray meets at all slopes, and rays that end to the last bit at where it does.
+TEST(Batch, OfRayAndTrianglesEndsWhereASingleOneDoes) {
+    at_every_width([] {
+        Random random(0x0708);
+        int hits = 0;
+        double worst = 0.0;
+        for (int i = 0; i < 3000; ++i) {
+            const auto point = [&](double s) { return dvec3{random.range(-s, s), random.range(-s, s), random.range(-s, s)}; };
+            const dvec3 origin(vec3(point(3.0))), direction(vec3(point(1.0)));
+            const dvec3 at = origin + random.range(0.5, 4.0) * direction;
+            // Two edges nearly along the ray, the more so the larger i % 16.
+            const dvec3 across = std::ldexp(1.0, -(i % 16)) * point(1.0);
+            const dvec3 e1 = random.range(0.5, 1.0) * direction + across, e2 = random.range(-1.0, -0.5) * direction + 0.5 * point(1.0) * std::ldexp(1.0, -(i % 16));
+            const std::array<Triangle<float>, 1> t{Triangle<float>{vec3(at - (e1 + e2) / 3.0), vec3(at + e1 - (e1 + e2) / 3.0), vec3(at + e2 - (e1 + e2) / 3.0)}};
+            Ray<float> ray{.origin = vec3(origin), .direction = vec3(direction), .t_min = -kInfinity};
+            const auto want = cast_ray(t[0], ray);
+            if (!want) continue;
+            ++hits;
+            std::array<float, 1> found{};
+            cast_ray_batch(t, ray, found);
+            double size = 0.0;
+            for (const vec3& p : {t[0].a, t[0].b, t[0].c}) size = std::max(size, static_cast<double>(glm::length(dvec3(p) - origin)));
+            const double off = std::fabs(static_cast<double>(found[0]) - static_cast<double>(want->t)) * glm::length(direction);
+            ASSERT_LE(off, 512 * kEps * size) << i;
+            worst = std::max(worst, off / (512 * kEps * size));
+            for (const float end : {want->t, std::nextafter(want->t, kInfinity), std::nextafter(want->t, -kInfinity)}) {
+                for (const Ray<float>& cut : {Ray<float>{ray.origin, ray.direction, -kInfinity, end}, Ray<float>{ray.origin, ray.direction, end, kInfinity}}) {
+                    cast_ray_batch(t, cut, found);
+                    ASSERT_EQ(found[0] < kInfinity, cast_ray(t[0], cut).has_value()) << i;
+                }
+            }
+        }
+        EXPECT_GT(hits, 1000);
         testing::Test::RecordProperty("worst", std::to_string(worst));
     });
 }

@@ -134,6 +134,22 @@ TEST(MeshRaysLimits, ARayCutAtItsHitHitsThereAgain) {
     }
 }
 
+// Many triangles through one point, whose boxes are met in another order than that of their numbers.
+TEST(MeshRaysLimits, HitsAtOneDistanceComeInTheOrderOfTheirNumbers) {
+    Random random(723);
+    MeshData mesh;
+    for (std::uint32_t k = 0; k < 400; ++k) {
+        const float r = static_cast<float>(random.range(0.5, 9.0));
+        for (const vec3& v : {vec3{-r, -r, 1}, vec3{2.0f * r, -r, 1}, vec3{-r, 2.0f * r, 1}}) mesh.vertices.push_back(v);
+        mesh.triangles.push_back({3 * k, 3 * k + 1, 3 * k + 2});
+    }
+    const StaticBvh bvh = build(mesh);
+    std::vector<MeshHit> hits;
+    all_hits(bvh, {.origin = {0.01f, 0.02f, 0}, .direction = {0, 0, 1}}, hits);
+    ASSERT_EQ(hits.size(), 400u);
+    for (std::uint32_t k = 0; k < 400; ++k) ASSERT_EQ(hits[k].triangle, k);
+}
+
 TEST(MeshRaysLimits, ATinyBeginningOfTheIntervalIsKept) {
     const StaticBvh bvh = build({{{-1, -1, 0}, {3, -1, 0}, {-1, 3, 0}}, {{0, 1, 2}}});
     for (const float length : {1.0f, 0x1p-60f, 0x1p60f}) {

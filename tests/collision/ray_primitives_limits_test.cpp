@@ -4,14 +4,15 @@
 #include <carom/collision/ray_primitives.hpp>
 #include <carom/core/random.hpp>
 
-#include "support/exact.hpp"
+#include <support/exact_ray.hpp>
 
 #include <gtest/gtest.h>
 
 #include <array>
 #include <cmath>
 #include <limits>
-#include <vector>
+#include <optional>
+#include <span>
 
 namespace carom {
 namespace {
@@ -156,6 +157,22 @@ TEST(RayPrimitivesLimits, HeightsAreWithinFourEpsWhateverCancels) {
     }
     EXPECT_LE(worst, 4.0);
     EXPECT_GT(worst, 0.6) << "some plain sums are rounded worse than that";
+}
+
+// The oracle itself: a ray that grazes a U crosses the plane between its arms; moved by the bound, on either of them.
+TEST(RayPrimitivesLimits, TheOracleOfConcavePolygonsKnowsNotches) {
+    const std::array<dvec3, 8> u{dvec3{-2, -1, 0}, {2, -1, 0}, {2, 1, 0}, {1, 1, 0}, {1, -0.9, 0}, {-1, -0.9, 0}, {-1, 1, 0}, {-2, 1, 0}};
+    const std::span<const dvec3> corners(u);
+    const auto fault_of_a_miss = [&](double x, double slope) {
+        const geo::Ray<double> ray{.origin = {0, 0.5, -x * slope}, .direction = {1, 0, slope}, .t_min = -kInfinity};
+        return exact::surface_fault(corners, ray, std::optional<double>{}, 4.0);
+    };
+    const exact::Figure<std::span<const dvec3>> figure(corners);
+    const double by = 4.0 * 0x1p-52 * static_cast<double>(figure.size(exact::vec(dvec3{0, 0.5, 0})));
+    EXPECT_EQ(fault_of_a_miss(0.0, by / 1.5), "") << "+-1.5 is on the arms, 0 is not";
+    EXPECT_EQ(fault_of_a_miss(0.0, 1.0), "");
+    EXPECT_EQ(fault_of_a_miss(1.5, 1.0), "a hit is missed");
+    EXPECT_EQ(fault_of_a_miss(1.5, 100.0 * by), "a hit is missed");
 }
 
 }  // namespace

@@ -97,6 +97,40 @@ Grid specks(std::uint32_t count) {
     return grid;
 }
 
+// Growing and shrinking change from where rays are moved first, and which coordinates survive scaling.
+TEST(StaticBvhRefit, KnowsTheSizeOfTheMovedMesh) {
+    const Grid before = waves(8, 0.2f);
+    for (const float factor : {0.01f, 100.0f}) {
+        StaticBvh bvh = *StaticBvh::build(before.vertices, before.triangles);
+        Grid after = before;
+        for (vec3& v : after.vertices) v *= factor;
+        ASSERT_TRUE(bvh.refit(after.vertices, after.triangles));
+        const StaticBvh built = *StaticBvh::build(after.vertices, after.triangles);
+        EXPECT_EQ(bvh.wide().far_reach, built.wide().far_reach);
+        Random random(6);
+        const float size = 8.0f * factor;
+        for (int i = 0; i < 500; ++i) {
+            const auto in = [&](double s) { return size * static_cast<float>(random.range(-s, s)); };
+            const vec3 target{in(0.5) + 0.5f * size, 0, in(0.5) + 0.5f * size}, origin{in(20), size * 30.0f, in(20)};
+            const geo::Ray<float> ray{origin, target - origin};
+            const MeshHit a = closest_hit(bvh, ray), b = closest_hit(built, ray);
+            ASSERT_EQ(a.t, b.t) << i;
+            ASSERT_EQ(a.u, b.u) << i;
+        }
+    }
+    // A mesh of size 2^100 is scaled down, and a coordinate of 2^-40 does not survive that.
+    Grid huge = before;
+    for (vec3& v : huge.vertices) v = vec3{0x1p96f} * (v + 1.0f);
+    StaticBvh bvh = *StaticBvh::build(huge.vertices, huge.triangles);
+    EXPECT_TRUE(bvh.wide().lossless);
+    huge.vertices[0].x = 0x1.234p-40f;
+    ASSERT_TRUE(bvh.refit(huge.vertices, huge.triangles));
+    EXPECT_FALSE(bvh.wide().lossless);
+    huge.vertices[0].x = 0.0f;
+    ASSERT_TRUE(bvh.refit(huge.vertices, huge.triangles));
+    EXPECT_TRUE(bvh.wide().lossless);
+}
+
 TEST(StaticBvhRefit, ATriangleThatStraysDoesNotHideWhatBecameOfTheRest) {
     const Grid before = specks(4000);
     StaticBvh bvh = *StaticBvh::build(before.vertices, before.triangles);
