@@ -39,7 +39,8 @@
 
 namespace carom {
 
-/// A point of a ray on a triangle.
+/// A point of a ray on a triangle. The tree keeps its triangles in an order of its own: what else is wanted of one, its normal or its
+/// material, is the mesh's that the tree was built of, by `triangle`.
 struct MeshHit {
     static constexpr std::uint32_t kNone = 0xffffffffu;
     float t = std::numeric_limits<float>::infinity();

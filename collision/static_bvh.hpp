@@ -72,7 +72,7 @@ public:
     /// @return what a random line through the root's box is expected to cost: for each node and leaf the area of its box over the
     /// root's, nodes below the root counted twice. Lower is faster.
     [[nodiscard]] double sah_cost() const noexcept;
-    /// @return the box of the triangles.
+    /// @return the box of the triangles; for queries geo::Aabb<double>{box.lower, box.upper}.
     [[nodiscard]] Aabb bounds() const noexcept;
     /// For queries in this library.
     [[nodiscard]] const WideBvh& wide() const noexcept { return *wide_; }

@@ -292,6 +292,13 @@ TEST(Batch, RefusesOutputOfAnotherLengthAndLeavesItAlone) {
     EXPECT_THROW(cast_ray_batch(triangles, Ray<float>{}, t), MisuseError);
     EXPECT_THROW(overlaps_batch(boxes, Sphere<float>{}, hit), MisuseError);
     EXPECT_THROW(closest_points_batch(triangles, vec3{0.0f}, closest), MisuseError);
+    try {
+        cast_ray_batch(boxes, Ray<float>{}, t);
+        FAIL();
+    } catch (const MisuseError& misuse) {
+        EXPECT_NE(misuse.error().where.find("cast_ray_batch("), std::string::npos) << misuse.error().where;
+        EXPECT_EQ(misuse.error().where.find("lambda"), std::string::npos) << misuse.error().where;
+    }
     EXPECT_EQ(t, (std::vector<float>{-7.0f, -7.0f}));
     EXPECT_EQ(hit, (std::vector<std::uint8_t>{7, 7, 7, 7}));
     cast_ray_batch(std::span<const Aabb<float>>{}, Ray<float>{}, std::span<float>{});  // nothing to do is fine

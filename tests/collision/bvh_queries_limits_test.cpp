@@ -81,13 +81,13 @@ TEST(BvhQueriesLimits, ThereIsAClosestPointHoweverNear) {
     }
 }
 
-// Corners as far as radius, on both sides of a float's last bit; least denormals away from each other.
+// Squares of half a least denormal are rounded up to a whole one each; the square of the distance is 1.6 of them.
 TEST(BvhQueriesLimits, SquaresThatUnderflowHideNothing) {
     std::vector<vec3> v;
     std::vector<StaticBvh::Triangle> t;
     const float s = 0x1p-74f;
     for (std::uint32_t i = 0; i < 40; ++i) {  // more than a leaf's worth, each a point of its own
-        const vec3 at = i == 0 ? vec3{0.7f * s} : vec3{0.7f * s, 0.7f * s, (0.7f + 0.01f * static_cast<float>(i)) * s};
+        const vec3 at = i == 0 ? vec3{0.51f * s} : vec3{0.51f * s, 0.51f * s, (0.51f + 0.01f * static_cast<float>(i)) * s};
         v.insert(v.end(), {at, at, at});
         t.push_back({3 * i, 3 * i + 1, 3 * i + 2});
     }
@@ -97,7 +97,7 @@ TEST(BvhQueriesLimits, SquaresThatUnderflowHideNothing) {
     const auto found = closest_point(bvh, {0, 0, 0});
     ASSERT_TRUE(found);
     EXPECT_EQ(found->triangle, 0u);
-    EXPECT_TRUE(closest_point(bvh, {0, 0, 0}, 0.7 * std::sqrt(3.0) * static_cast<double>(s) * 1.000001));
+    EXPECT_TRUE(closest_point(bvh, {0, 0, 0}, 0.51 * std::sqrt(3.0) * static_cast<double>(s) * 1.000001));
 }
 
 TEST(BvhQueriesLimits, APointOnATriangleIsFoundWithRadiusZero) {
@@ -180,10 +180,14 @@ TEST(BvhQueriesLimits, WhatTouchesToRoundingIsMetInEveryTree) {
     for (int i = 0; i < 4000; ++i) {
         set_simd_width(available_simd_widths()[static_cast<std::size_t>(i) % available_simd_widths().size()]);
         const double far = std::ldexp(1.0, i % 20), size = i % 3 == 0 ? 1.0 : far;
-        const geo::Triangle<double> t = some_triangle(random, far, size);
-        const StaticBvh bvh = tree_of(t);
-        // The corner that is farthest down an axis: from there on outward everything is empty.
+        geo::Triangle<double> t = some_triangle(random, far, size);
+        // The corner that is farthest down an axis: from there on outward everything is empty. At 0, mostly, where floats round least.
         const int axis = i % 3;
+        if (i % 4 != 0) {
+            const double least = std::min({t.a[axis], t.b[axis], t.c[axis]});
+            for (dvec3* v : {&t.a, &t.b, &t.c}) (*v)[axis] = static_cast<double>(static_cast<float>((*v)[axis] - least));
+        }
+        const StaticBvh bvh = tree_of(t);
         const dvec3 corner = t.a[axis] <= std::min(t.b[axis], t.c[axis]) ? t.a : (t.b[axis] <= t.c[axis] ? t.b : t.c);
         const double gap = random.range(-2.0, 70.0) * 0x1p-52 * (size + 1.0);
         const double radius = random.range(0.01, 1.0);
@@ -205,7 +209,7 @@ TEST(BvhQueriesLimits, WhatTouchesToRoundingIsMetInEveryTree) {
         // Its highest corner just below the lowest of the triangle.
         compare(bvh, geo::Obb<double>{.center = corner + down + gap * outward, .half_extents = dvec3{radius}, .axes = axes}, t, i);
     }
-    EXPECT_GT(met, 2000);
+    EXPECT_GT(met, 1500);
     EXPECT_GT(apart, 3000);
 }
 
