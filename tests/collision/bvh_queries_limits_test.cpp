@@ -206,6 +206,10 @@ TEST(BvhQueriesLimits, WhatTouchesToRoundingIsMetInEveryTree) {
         }
         dvec3 down{0.0};
         for (int k = 0; k < 3; ++k) down += (axes[k][axis] > 0.0 ? -radius : radius) * axes[k];
+        // A turned box so large that its own rounding is what counts.
+        const double huge = 1e12 * (far + size);
+        const double beside = random.range(-2.0, 140.0) * 0x1p-52 * huge;
+        compare(bvh, geo::Obb<double>{.center = corner - (huge + beside) * axes[1], .half_extents = dvec3{huge}, .axes = axes}, t, i);
         // Its highest corner just below the lowest of the triangle.
         compare(bvh, geo::Obb<double>{.center = corner + down + gap * outward, .half_extents = dvec3{radius}, .axes = axes}, t, i);
     }
