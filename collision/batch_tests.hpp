@@ -50,7 +50,8 @@ void overlaps_batch(std::span<const Obb<float>> boxes, const Obb<float>& box, st
 /// @param triangles  (n,)
 /// @param closest    (n,). NaN throughout where closest_points() has NaN.
 /// Accuracy: float throughout, unlike closest_points(): distances are met, and points lie on their triangles, within 16 float eps of
-/// the largest coordinate difference.
+/// the largest coordinate difference; points besides are rounded to float, each coordinate by half an ulp of itself: far from the
+/// world's origin that is more.
 /// Cost: some 13 ns a triangle with AVX-512, 21 with AVX2.
 void closest_points_batch(std::span<const Triangle<float>> triangles, const Vec3<float>& point, std::span<ClosestPoints<float>> closest);
 

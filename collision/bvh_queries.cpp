@@ -41,12 +41,22 @@ geo::Triangle<double> triangle_of(const WideLeaf& leaf, std::uint32_t k, double 
 double unit_of(const WideBvh& tree) noexcept { return 1.0 / static_cast<double>(tree.scale); }
 
 WideVolume box_volume(const WideBvh& tree, const dvec3& lower, const dvec3& upper) noexcept {
+    // Lanes without a child have infinite boxes, which no finite bound meets; NaN stays and meets nothing.
+    constexpr float kLargest = std::numeric_limits<float>::max();
     WideVolume volume{};
     for (int k = 0; k < 3; ++k) {
-        volume.lower[k] = at_most(static_cast<double>(tree.scale) * lower[k]);
-        volume.upper[k] = at_least(static_cast<double>(tree.scale) * upper[k]);
+        volume.lower[k] = std::max(at_most(static_cast<double>(tree.scale) * lower[k]), -kLargest);
+        volume.upper[k] = std::min(at_least(static_cast<double>(tree.scale) * upper[k]), kLargest);
     }
     return volume;
+}
+
+/// How far from a volume geo::overlaps() may still see a triangle of the tree: 128 eps of the largest coordinate difference, which is at
+/// most twice what is summed here. A box without that would make the answer depend on the shape of the tree.
+double touching_distance(const WideBvh& tree, const dvec3& center, double half_size) noexcept {
+    const dvec3 far = dvec3(glm::max(glm::abs(tree.lower), glm::abs(tree.upper))) / static_cast<double>(tree.scale);
+    const dvec3 from = glm::abs(center);
+    return 0x1p-44 * (std::max({far.x, far.y, far.z}) + std::max({from.x, from.y, from.z}) + half_size);
 }
 
 /// Cuts the volume by normal . x <= offset, in the mesh's coordinates; the normal of unit length.
@@ -63,14 +73,13 @@ void cut(WideVolume& volume, const WideBvh& tree, const dvec3& normal, double of
 
 /// The volume of a box with axes of its own.
 WideVolume turned_volume(const WideBvh& tree, const geo::Obb<double>& box) noexcept {
-    dvec3 reach{0.0};
+    const double touch = 2.0 * touching_distance(tree, box.center, glm::length(box.half_extents));  // and the rounding of sums below
+    dvec3 reach{touch};
     for (int k = 0; k < 3; ++k) reach += box.half_extents[k] * glm::abs(box.axes[k]);
-    // The axes are orthonormal to a few ulp, which a share of 1e-14 covers.
-    reach = reach * (1.0 + 1e-14) + 1e-14 * glm::abs(box.center);
     WideVolume volume = box_volume(tree, box.center - reach, box.center + reach);
     for (int k = 0; k < 3; ++k) {
         const double along = glm::dot(box.axes[k], box.center);
-        const double half = box.half_extents[k] + 1e-14 * (glm::length(box.half_extents) + glm::length(box.center));
+        const double half = box.half_extents[k] + touch;
         cut(volume, tree, box.axes[k], along + half);
         cut(volume, tree, -box.axes[k], half - along);
     }
@@ -103,6 +112,21 @@ geo::Obb<double> box_round(const geo::Capsule<double>& c) noexcept {
     const dvec3 y = glm::normalize(glm::cross(x, other));
     box.axes = dmat3{x, y, glm::cross(x, y)};
     return box;
+}
+
+/// The distance also where its square is out of range.
+double distance_of(const geo::ClosestPoints<double>& c) noexcept {
+    if (c.distance_sq > 0x1p-960 && c.distance_sq < 0x1p960) return std::sqrt(c.distance_sq);
+    const dvec3 d = glm::abs(c.on_b - c.on_a);
+    const double largest = std::max({d.x, d.y, d.z});
+    return largest > 0.0 ? largest * glm::length(d / largest) : std::sqrt(c.distance_sq);
+}
+
+/// By how much the computed distance may be too large: see geo::closest_points(); no two corners are farther apart than twice the farthest
+/// from the point.
+double distance_error(const dvec3& point, const geo::Triangle<double>& t) noexcept {
+    const dvec3 far = glm::max(glm::abs(t.a - point), glm::max(glm::abs(t.b - point), glm::abs(t.c - point)));
+    return 32.0 * 0x1p-52 * std::max({far.x, far.y, far.z});
 }
 
 /// Cuts polygons by half-spaces normal . x <= offset, which keep what rounding might have put beyond them.
@@ -180,7 +204,7 @@ void overlapping_triangles(const StaticBvh& bvh, const geo::Aabb<double>& volume
 }
 
 void overlapping_triangles(const StaticBvh& bvh, const geo::Sphere<double>& volume, TriangleVisit visit) {
-    const dvec3 reach = dvec3{volume.radius} + 1e-14 * (glm::abs(volume.center) + dvec3{volume.radius});
+    const dvec3 reach{volume.radius + touching_distance(bvh.wide(), volume.center, volume.radius)};
     visit_overlaps(bvh, box_volume(bvh.wide(), volume.center - reach, volume.center + reach), volume, visit);
 }
 
@@ -203,11 +227,15 @@ std::optional<ClosestOnMesh> closest_point(const StaticBvh& bvh, const dvec3& po
     double least_sq = std::numeric_limits<double>::infinity();
     visit_leaves_near(tree, start, at_least(scale * radius), [&](const WideLeaf& leaf) {
         for (std::uint32_t k = 0; k < leaf.triangle_count; ++k) {
-            const geo::ClosestPoints<double> c = geo::closest_points(point, triangle_of(leaf, k, unit));
-            const bool nearer = c.distance_sq < least_sq || (best && c.distance_sq == least_sq && leaf.triangle[k] < best->triangle);
-            if (!nearer || !(std::sqrt(c.distance_sq) <= radius)) continue;
+            const geo::Triangle<double> t = triangle_of(leaf, k, unit);
+            const geo::ClosestPoints<double> c = geo::closest_points(point, t);
+            if (best && c.distance_sq > least_sq) continue;
+            const ClosestOnMesh here{c.on_b, distance_of(c), leaf.triangle[k]};
+            const bool ties = best && c.distance_sq == least_sq && here.distance >= best->distance;
+            if (ties && (here.distance > best->distance || here.triangle > best->triangle)) continue;
+            if (here.distance > radius && here.distance - radius > distance_error(point, t)) continue;
             least_sq = c.distance_sq;
-            best = ClosestOnMesh{c.on_b, std::sqrt(c.distance_sq), leaf.triangle[k]};
+            best = here;
         }
         return at_least(scale * (best ? best->distance : radius));
     });

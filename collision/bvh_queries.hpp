@@ -52,7 +52,8 @@ struct ClosestOnMesh {
 };
 
 /// @param point   finite.
-/// @param radius  only what is at most this far counts; not NaN.
+/// @param radius  only what is at most this far counts; not NaN. Nothing that near is missed, a point exactly on a triangle and a radius
+///                of 0 included; what is returned may be 32 eps of the largest coordinate difference farther.
 /// @return nothing where the mesh is farther than `radius`, and for bad input.
 /// Accuracy: that of geo::closest_points() of a point and a triangle.
 /// Cost: O(log m) expected, O(m) for a point as far from everything (the centre of a sphere).

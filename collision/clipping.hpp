@@ -4,7 +4,8 @@
 //   geo::PolygonClipper<float> clipper;                       // keep it: its buffers are used again
 //   std::span<const vec3> visible = clipper.clip(polygon, frustum);
 //
-// A half-space is what lies below a plane, dot(normal, x) <= offset; normals need not be of unit length. Solids are closed: what lies in
+// A half-space is what lies below a plane, dot(normal, x) <= offset; normals need not be of unit length. A frustum is what lies above
+// its planes: cut by the frustum itself, which knows that; its planes one by one, or in a span, would keep the rest of the world. Solids are closed: what lies in
 // a face is kept.
 //   Accuracy   computed in double, float rounded once. Whether an end or a corner is inside a half-space or a box along
 //              the axes is decided exactly, but for underflow: below 1e-240 m sides may be taken for the face itself. Ends

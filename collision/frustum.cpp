@@ -81,8 +81,10 @@ Result<Frustum<T>> frustum_of(const Camera<T>& camera) {
     }
     const std::optional<dvec3> forward = unit(dvec3(camera.forward));
     const std::optional<dvec3> up_given = unit(dvec3(camera.up));
-    const std::optional<dvec3> right = forward && up_given ? unit(glm::cross(*forward, *up_given)) : std::nullopt;
-    if (!right) {
+    const dvec3 across = forward && up_given ? glm::cross(*forward, *up_given) : dvec3{0.0};
+    const std::optional<dvec3> right = unit(across);
+    // The sine of an angle that rounding of T alone may make of none.
+    if (!right || largest(across) <= 4.0 * static_cast<double>(std::numeric_limits<T>::epsilon())) {
         return Error{ErrorCode::Degenerate, "forward or up is zero, or one is along the other", kWhere};
     }
     const dvec3 up = glm::cross(*right, *forward);
@@ -113,8 +115,9 @@ Result<Frustum<T>> frustum_of(const glm::mat<4, 4, T>& view_projection, ClipDept
             return Error{ErrorCode::NotFinite, "the matrix is not finite", kWhere};
         }
         if (normal == dvec3{0.0}) {
-            if (!(above[i].w >= 0.0)) {
-                return Error{ErrorCode::Degenerate, "nothing is above plane " + std::to_string(i), kWhere};
+            // The near or far plane may be at infinity; a side that is not there is none that a projection has.
+            if (i < 4 || !(above[i].w >= 0.0)) {
+                return Error{ErrorCode::Degenerate, "nothing defines plane " + std::to_string(i), kWhere};
             }
             frustum.planes[i] = kNoPlane<T>;
             continue;

@@ -40,7 +40,8 @@ enum class ClipDepth {
 
 enum class Containment { Outside, Across, Inside };
 
-/// @return NotFinite, InvalidArgument (a field out of its range) or Degenerate (`forward` is zero or along `up`).
+/// @return NotFinite, InvalidArgument (a field out of its range) or Degenerate (`forward` or `up` is zero, or one is
+/// along the other to 4 eps of T).
 /// Accuracy: the planes are those of the camera to 4 eps of T in the normal, and 4 eps of |position| + distance in the
 /// offset.
 template <class T>
@@ -48,7 +49,8 @@ template <class T>
 
 /// @param view_projection  from the frame that the planes shall be in to clip coordinates, for column vectors as GLM
 /// has it.
-/// @return NotFinite, or Degenerate where a plane has neither a direction nor everything above it.
+/// @return NotFinite, or Degenerate where one of the four sides has no direction, or near or far has neither that nor
+/// everything above it.
 /// Accuracy: the planes are those of the matrix to 4 eps of T.
 /// Source: Gribb and Hartmann, Fast Extraction of Viewing Frustum Planes (2001).
 template <class T>

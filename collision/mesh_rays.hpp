@@ -7,6 +7,9 @@
 // that is not zero. An interval is a query of its own: set t_min and t_max. Bad input (NaN or infinity in origin or direction, a
 // zero direction, a NaN bound, t_min > t_max) hits nothing; infinite bounds are fine, negative ones too.
 //
+// Cut to where it hits, t_max = hit.t, a ray hits the same triangle at the same t; with t_min = hit.t too, where t_min was >= 0.
+// No hit has a t outside of t_min <= t <= t_max.
+//
 // Watertight. Each vertex has one image on the plane across the ray, computed from ray and vertex alone, and on which side of the
 // ray an edge between images passes is decided exactly; boxes are widened by what rounding may move an image. So no ray passes
 // between triangles that share an edge or a vertex, by position, whatever their size, and wherever the mesh is. Edges and corners
@@ -14,9 +17,9 @@
 //
 // Accuracy. An image, and the depth of a vertex, lies within 8 u (D + |o|) of where it should be: u = 2^-24, D the largest
 // distance along an axis between the origin and the mesh's box, |o| the origin's largest coordinate. So a hit or miss is right for
-// the mesh with each vertex moved by no more than that, and t |direction| is right to 16 u (D + |o|) for a mesh moved like that. An
-// origin further than 8 sizes from the mesh is moved along its ray to the mesh first, in double, so that D and |o| are of the
-// mesh's own size and place.
+// the mesh with each vertex moved by no more than that, and t |direction| is right to 16 u (D + |o|) for a mesh moved like that, and
+// to its own rounding, u |t direction|. An origin further than 8 sizes from the mesh, and one whose ray has t_min < 0, is moved along
+// its ray to the mesh first, in double, so that D and |o| are of the mesh's own size and place.
 //
 // The same bits at every SIMD width. The closest hit is the one of least computed t, of the lowest triangle where several are
 // least: it does not depend on the tree. No allocation but where said, thread-safe.
@@ -36,7 +39,8 @@
 
 namespace carom {
 
-/// A point of a ray on a triangle.
+/// A point of a ray on a triangle. The tree keeps its triangles in an order of its own: what else is wanted of one, its normal or its
+/// material, is the mesh's that the tree was built of, by `triangle`.
 struct MeshHit {
     static constexpr std::uint32_t kNone = 0xffffffffu;
     float t = std::numeric_limits<float>::infinity();
@@ -48,9 +52,9 @@ struct MeshHit {
 };
 
 /// Where the last occluder was found. Rays that are cast one after the other at one light mostly meet the same one: keep one of
-/// these for each light and thread. One that was used with another tree, or none at all, only costs time.
+/// these for each light and thread. One that was used with another tree, or with one that is no more, only costs time.
 struct LastOccluder {
-    const void* tree = nullptr;
+    std::uint64_t tree = 0;  ///< which one, of all that this process has built or loaded; 0: none
     std::int32_t leaf = 0;
 };
 

@@ -5,7 +5,7 @@
 //   float depth = -geo::extent(floor, ball).lowest;
 //
 // Distances are dot(normal, x) - offset: metres where the normal is of unit length, otherwise metres times its length.
-//   Accuracy   computed in double, float rounded once. Points, triangles, hulls and AABBs: distances within 4 ulp of double, and sides
+//   Accuracy   computed in double, float rounded once. Points, triangles, hulls and AABBs: distances within 4 eps of themselves, and sides
 //              with margin 0 always right. Spheres, capsules, OBBs: sides are those of the exact plane moved by at most 12 eps of the
 //              shape's size (radius, half diagonal) and its distance; eps is that of double, far from the world's origin too. Pinned
 //              in tests/collision/plane_tests_test.cpp.

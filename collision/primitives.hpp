@@ -5,7 +5,7 @@
 //
 // These are what the primitive tests take: rays (ray_primitives.hpp), planes (plane_tests.hpp), overlaps (overlap_tests.hpp), closest
 // points (closest_points.hpp), clipping (clipping.hpp) and frusta (frustum.hpp). The shapes of bodies (shapes.hpp) lie about their own
-// origin instead and are placed by a Pose.
+// origin instead and are placed by a Pose; some have the same names, so import one of the two namespaces, not both.
 #pragma once
 
 #include <carom/core/types.hpp>

@@ -129,13 +129,17 @@ std::optional<RayInterval<T>> interval(const Shape<T>& shape, const Ray<T>& ray)
     if (!starts || !(exit >= static_cast<double>(ray.t_min)) || !(exit >= -kLargest<T>)) {
         return std::nullopt;
     }
+    // An interval that begins or ends at the wrong infinity has no points.
+    if (ray.t_min > std::numeric_limits<T>::max() || ray.t_max < std::numeric_limits<T>::lowest()) {
+        return std::nullopt;
+    }
     // A point has no outside: its normals are along the ray.
     const dvec3 along = unit(scene->scaled.line.direction);
     RayInterval<T> result;
     result.t_enter = static_cast<T>(enter);
     result.t_exit = static_cast<T>(exit);
-    result.normal_enter = is_finite(chord->enter) ? Vec3<T>(unit_or(chord->normal_enter, -along)) : Vec3<T>{T(0)};
-    result.normal_exit = is_finite(chord->exit) ? Vec3<T>(unit_or(chord->normal_exit, along)) : Vec3<T>{T(0)};
+    result.normal_enter = is_finite(result.t_enter) ? Vec3<T>(unit_or(chord->normal_enter, -along)) : Vec3<T>{T(0)};
+    result.normal_exit = is_finite(result.t_exit) ? Vec3<T>(unit_or(chord->normal_exit, along)) : Vec3<T>{T(0)};
     return result;
 }
 

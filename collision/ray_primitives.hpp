@@ -8,7 +8,8 @@
 //   t          counts lengths of the ray's direction; a t that double (float) cannot hold is infinite, and never that of a hit.
 //   Verdict    solids are closed: what touches, hits. A hit has t_min <= t <= t_max.
 //   Bad input  NaN or infinity in origin, direction or shape, a zero direction, t_min > t_max, an inverted box, a negative radius, and
-//              what primitives.hpp forbids for a shape (a cylinder of no height, a zero normal): no hit. Never a NaN in a result. -0 is
+//              what primitives.hpp forbids for a shape (a cylinder of no height, a zero normal; a height below 1e-270 of the largest
+//              coordinate may count as none): no hit. Never a NaN in a result. -0 is
 //              0; t_min and t_max may be infinite.
 //   Accuracy   in double, and float is computed in double and rounded once. Each function states k: the answer is that of the exact
 //              shape with its surface moved by at most k eps S, and t besides is rounded to T; eps is that of double (2.3e-16), S the
@@ -72,8 +73,8 @@ template <class T>
 /// that both vanish towards the tip (Lagrange's identity), so that rays at the tip are as exact as others.
 template <class T>
 [[nodiscard]] std::optional<RayInterval<T>> ray_interval(const Cone<T>& cone, const Ray<T>& ray) noexcept;
-/// The half-space below a plane: k = 4, where S is the distance of the hit from the ray's origin: t has a relative
-/// error of 4 eps, and the verdict is exact up to that. An end is infinite; both are where the line runs in the
+/// The half-space below a plane: k = 9, where S is the distance of the hit from the ray's origin: t has a relative
+/// error of 9 eps, and the verdict is exact up to that. An end is infinite; both are where the line runs in the
 /// half-space.
 template <class T>
 [[nodiscard]] std::optional<RayInterval<T>> ray_interval(const Plane<T>& below, const Ray<T>& ray) noexcept;
@@ -96,7 +97,7 @@ template <class T>
 /// The plane itself, from either side: k and S of its half-space. A ray parallel to it misses it, within it too.
 template <class T>
 [[nodiscard]] std::optional<RayHit<T>> cast_ray(const Plane<T>& plane, const Ray<T>& ray) noexcept;
-/// From either side, the rim included: k = 4. A ray parallel to the disc misses it, within it too.
+/// From either side, the rim included: k = 9. A ray parallel to the disc misses it, within it too.
 template <class T>
 [[nodiscard]] std::optional<RayHit<T>> cast_ray(const Disc<T>& disc, const Ray<T>& ray) noexcept;
 
@@ -113,7 +114,7 @@ template <class T>
 /// the plane of the two axes on which the normal is smallest; points on the outline are inside. A ray parallel to the
 /// plane misses it. k = 4 (1 + D²/A), with S the distance of the first corner from the ray's origin plus D, the
 /// polygon's diameter, and A its area.
-/// @return nothing also for fewer than 3 corners, or without area. Cost: O(n).
+/// @return nothing also for fewer than 3 corners, or without area: A below n (n + 6) eps D². Cost: O(n).
 /// Source: Haines, Point in Polygon Strategies (Graphics Gems IV, 1994), crossings test. Departure: the outline is
 /// closed.
 template <class T>

@@ -5,6 +5,8 @@
 #include <carom/collision/detail/wide_bvh.hpp>
 #include <carom/collision/detail/wide_refit.hpp>
 
+#include <atomic>
+#include <cstdint>
 #include <string>
 #include <utility>
 
@@ -13,9 +15,14 @@ namespace {
 
 static_assert(StaticBvh::kMaxTriangles == WideBvh::kMaxTriangles);
 
+std::uint64_t next_id() noexcept {
+    static std::atomic<std::uint64_t> last{0};
+    return last.fetch_add(1, std::memory_order_relaxed) + 1;
+}
+
 }  // namespace
 
-StaticBvh::StaticBvh(WideBvh&& wide) : wide_(std::make_unique<WideBvh>(std::move(wide))) {}
+StaticBvh::StaticBvh(WideBvh&& wide) : wide_(std::make_unique<WideBvh>(std::move(wide))) { wide_->id = next_id(); }
 StaticBvh::StaticBvh(StaticBvh&&) noexcept = default;
 StaticBvh& StaticBvh::operator=(StaticBvh&&) noexcept = default;
 StaticBvh::~StaticBvh() = default;
@@ -43,7 +50,7 @@ Status StaticBvh::refit(std::span<const vec3> vertices, std::span<const Triangle
 std::size_t StaticBvh::triangle_count() const noexcept { return wide_->triangle_count; }
 std::size_t StaticBvh::bytes() const noexcept { return sizeof(WideBvh) + wide_->lines.capacity() * sizeof(WideBvh::Line); }
 double StaticBvh::sah_cost() const noexcept { return wide_->sah_cost; }
-double StaticBvh::degradation() const noexcept { return wide_->sah_cost / wide_->built_cost; }
+double StaticBvh::degradation() const noexcept { return wide_->crowding / wide_->built_crowding; }
 
 Aabb StaticBvh::bounds() const noexcept {
     const double unit = 1.0 / static_cast<double>(wide_->scale);

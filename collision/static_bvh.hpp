@@ -43,12 +43,15 @@ public:
     /// further the mesh is from what was built: see degradation().
     /// @param vertices, triangles  as of build(), with the same triangles.
     /// @return InvalidArgument where the triangles are not as many, an index is out of range; NotFinite; WrongType where only a build
-    /// helps: vertices that were at one position moved apart, or the mesh grew or shrank out of the range of its scale. The tree is
-    /// then what it was. Triangles that are not those of build() give a tree of no use, which nothing notices.
-    /// Cost: O(m), some 20 ns a triangle.
+    /// helps: the mesh grew or shrank out of the range of its scale, or vertices at one position moved apart. Of a mesh whose vertices
+    /// all had positions of their own in build(), they never do; of any other, soup say, vertices that are at one position must stay
+    /// together from then on, wherever they are. The tree is then what it was. Triangles that are not those of build() give a tree of
+    /// no use, which nothing notices.
+    /// Cost: O(m), some 20 ns a triangle; 60 where vertices have to stay together.
     [[nodiscard]] Status refit(std::span<const vec3> vertices, std::span<const Triangle> triangles);
-    /// @return sah_cost() over what it was when built: 1 at first. Queries take about as many times as long; from some 1.5 on a
-    /// build pays for itself within a few hundred rays a triangle.
+    /// @return how many more leaves lie over a place of the mesh than when it was built, on average: 1 at first. Near the mesh queries
+    /// take from the square root of that to about that many times as long; from some 1.5 on a build pays for itself within a few
+    /// hundred rays a triangle. Triangles that moved far away do not hide what became of the rest.
     [[nodiscard]] double degradation() const noexcept;
 
     /// @return the tree as bytes, for load() on any machine: little-endian, with a version and a checksum (XXH3).
@@ -69,7 +72,7 @@ public:
     /// @return what a random line through the root's box is expected to cost: for each node and leaf the area of its box over the
     /// root's, nodes below the root counted twice. Lower is faster.
     [[nodiscard]] double sah_cost() const noexcept;
-    /// @return the box of the triangles.
+    /// @return the box of the triangles; for queries geo::Aabb<double>{box.lower, box.upper}.
     [[nodiscard]] Aabb bounds() const noexcept;
     /// For queries in this library.
     [[nodiscard]] const WideBvh& wide() const noexcept { return *wide_; }

@@ -4,6 +4,7 @@
 
 #include <carom/collision/detail/wide_bvh.hpp>
 #include <carom/collision/detail/wide_check.hpp>
+#include <carom/collision/detail/wide_crowding.hpp>
 #include <carom/core/hash.hpp>
 
 #include <algorithm>
@@ -16,9 +17,10 @@ namespace carom {
 namespace {
 
 constexpr std::uint64_t kMagic = 0x6876426d6f726143u;  // "CaromBvh" as bytes
-constexpr std::uint32_t kVersion = 1;
+constexpr std::uint32_t kVersion = 2;
 constexpr std::uint32_t kNodeWord = 0x65646f6eu;  // "node"
 constexpr std::uint32_t kLeafWord = 0x6661656cu;  // "leaf"
+constexpr std::uint32_t kLossless = 1u, kWelded = 2u;
 constexpr std::size_t kNodeSize = sizeof(WideNode) + 4;
 constexpr std::size_t kLeafSize = sizeof(WideLeaf) + 4;
 constexpr std::size_t kNodeLines = sizeof(WideNode) / sizeof(WideBvh::Line);
@@ -33,8 +35,8 @@ struct Header {
     std::uint64_t nodes = 0, leaves = 0, triangles = 0;
     float scale = 1.0f;
     float lower[3] = {}, upper[3] = {};
-    std::uint32_t lossless = 1;
-    double cost = 0.0, built_cost = 0.0;
+    std::uint32_t flags = 0;  ///< kLossless, kWelded
+    double cost = 0.0, built_crowding = 0.0;
     std::uint64_t checksum = 0;  ///< of all bytes of the file but these eight, which come last in the header
 };
 constexpr std::size_t kHeaderSize = 96;
@@ -84,8 +86,8 @@ template <class Stream, class T>
 void each_field(Stream& stream, T& h) {
     stream.numbers(&h.magic, 1), stream.numbers(&h.version, 1), stream.numbers(&h.width, 1);
     stream.numbers(&h.nodes, 1), stream.numbers(&h.leaves, 1), stream.numbers(&h.triangles, 1);
-    stream.numbers(&h.scale, 1), stream.numbers(h.lower, 3), stream.numbers(h.upper, 3), stream.numbers(&h.lossless, 1);
-    stream.numbers(&h.cost, 1), stream.numbers(&h.built_cost, 1), stream.numbers(&h.checksum, 1);
+    stream.numbers(&h.scale, 1), stream.numbers(h.lower, 3), stream.numbers(h.upper, 3), stream.numbers(&h.flags, 1);
+    stream.numbers(&h.cost, 1), stream.numbers(&h.built_crowding, 1), stream.numbers(&h.checksum, 1);
 }
 template <class Stream, class T>
     requires std::same_as<std::remove_const_t<T>, WideNode>
@@ -124,7 +126,8 @@ Result<Header> read_header(std::span<const std::byte> bytes) {
     }
     if (header.nodes * kNodeLines + header.leaves * kLeafLines > kMostLines) return fault("larger than a tree can be");
     if (header.checksum != checksum_of(bytes)) return fault("the checksum is wrong");
-    const bool plain = header.lossless <= 1 && header.cost > 0.0 && header.built_cost > 0.0 && is_finite(header.cost + header.built_cost);
+    const bool plain = header.flags <= (kLossless | kWelded) && header.cost > 0.0 && header.built_crowding >= 1.0 &&
+                       is_finite(header.cost) && is_finite(header.built_crowding);
     if (!plain) return fault("a header that no tree has");
     return header;
 }
@@ -155,8 +158,8 @@ std::vector<std::byte> StaticBvh::save() const {
     const WideBvh& tree = *wide_;
     Header header{.nodes = tree.node_count, .leaves = tree.leaf_count, .triangles = tree.triangle_count, .scale = tree.scale};
     for (int k = 0; k < 3; ++k) header.lower[k] = tree.lower[k], header.upper[k] = tree.upper[k];
-    header.lossless = tree.lossless ? 1u : 0u;
-    header.cost = tree.sah_cost, header.built_cost = tree.built_cost;
+    header.flags = (tree.lossless ? kLossless : 0u) | (tree.welded ? kWelded : 0u);
+    header.cost = tree.sah_cost, header.built_crowding = tree.built_crowding;
 
     std::vector<std::byte> bytes(kHeaderSize + tree.node_count * kNodeSize + tree.leaf_count * kLeafSize);
     Writer body(bytes.data() + kHeaderSize);
@@ -190,13 +193,15 @@ Result<StaticBvh> StaticBvh::load(std::span<const std::byte> bytes) {
     tree.scale = header->scale;
     tree.lower = {header->lower[0], header->lower[1], header->lower[2]};
     tree.upper = {header->upper[0], header->upper[1], header->upper[2]};
-    tree.lossless = header->lossless != 0;
+    tree.lossless = (header->flags & kLossless) != 0;
+    tree.welded = (header->flags & kWelded) != 0;
     tree.sah_cost = header->cost;
     tree.update_far_reach();
-    tree.built_cost = header->built_cost;
+    tree.built_crowding = header->built_crowding;
     if (header->triangles > header->leaves * kWidth) return fault("more triangles than its leaves hold");
     if (!read_lines(Reader(bytes.data() + kHeaderSize), *header, tree)) return fault("something that is neither node nor leaf");
     if (Status status = check_wide_bvh(tree); !status) return status.error();
+    tree.crowding = crowding_of(tree, all_refs(tree));
     return StaticBvh(std::move(tree));
 }
 

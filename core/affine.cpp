@@ -9,6 +9,10 @@
 namespace carom {
 namespace {
 
+// What the determinant of three unit vectors in a plane may be off zero by: each is off by 3 eps (its entries, its length and the
+// division), and the determinant's own three products and sums add 5.
+constexpr double kFlat = 14.0 * 0x1p-52;
+
 double largest(const dvec3& v) noexcept { return std::max({std::fabs(v.x), std::fabs(v.y), std::fabs(v.z)}); }
 
 // The power of two near the vector's size, for products that neither overflow nor underflow; 1 for zero.
@@ -73,8 +77,8 @@ Result<ScaledPose> decompose(const dmat4& m, double tolerance) {
         axes[k] = (axes[k] / power) / (scale[k] / power);
     }
     if (!(shear_of(axes) <= tolerance)) {
-        return refused(determinant(axes) == 0.0 ? ErrorCode::Degenerate : ErrorCode::InvalidArgument,
-                       "the columns are not perpendicular: the map shears", kWhere);
+        if (std::fabs(determinant(axes)) <= kFlat) return refused(ErrorCode::Degenerate, "the columns lie in a plane: the map flattens space", kWhere);
+        return refused(ErrorCode::InvalidArgument, "the columns are not perpendicular: the map shears", kWhere);
     }
     if (determinant(axes) < 0.0) {
         scale.x = -scale.x;

@@ -39,7 +39,7 @@ struct ScaledPose {
 /// Decomposes m into rotation and scale.
 /// @param m, tolerance  as above; the columns may have any lengths, but are perpendicular within the tolerance, relative to the lengths.
 /// @return              scale > 0, but for mirrors, whose scale.x is negative. Error: as above; InvalidArgument for a shear,
-///                      Degenerate where a column has no length.
+///                      Degenerate where a column has no length or the columns lie in a plane, to rounding (14 eps).
 [[nodiscard]] Result<ScaledPose> decompose(const dmat4& m, double tolerance = kRigidTolerance);
 
 /// How a linear map turns a surface: the normal of the image of a plane with normal n. That is not m n unless m is rigid, but the

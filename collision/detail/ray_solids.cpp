@@ -1,6 +1,7 @@
 // Lines against solids.
 #include <carom/collision/detail/exact_sign.hpp>
 #include <carom/collision/detail/ray_solids.hpp>
+#include <carom/collision/detail/widen.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -67,26 +68,28 @@ bool cut(Chord& chord, double to_low, double to_high, double rate, const dvec3& 
     return chord.enter <= chord.exit;
 }
 
-/// A line about an axis from a point: heights in lengths of the axis, and what is across it.
+/// A line about an axis from a point: heights in lengths of `axis`, and what is across it.
 struct AxisFrame {
-    dvec3 axis;
+    dvec3 axis;  ///< scaled by a power of two where it is so short or long that its square would lose its bits
+    double top;  ///< the height of the axis as it was given: 1 but for such
     double height;
     double climb;
     dvec3 across;
     dvec3 drift;
 
-    AxisFrame(const dvec3& from, const dvec3& direction, const dvec3& axis_in) noexcept
-        : axis(axis_in),
-          height(glm::dot(from, axis_in) / glm::dot(axis_in, axis_in)),
-          climb(glm::dot(direction, axis_in) / glm::dot(axis_in, axis_in)),
-          across(from - height * axis_in),
-          drift(direction - climb * axis_in) {}
+    AxisFrame(const dvec3& from, const dvec3& direction, const dvec3& given) noexcept
+        : axis(std::ldexp(1.0, -excess(largest(given))) * given),
+          top(std::ldexp(1.0, excess(largest(given)))),
+          height(glm::dot(from, axis) / glm::dot(axis, axis)),
+          climb(glm::dot(direction, axis) / glm::dot(axis, axis)),
+          across(from - height * axis),
+          drift(direction - climb * axis) {}
 };
 
 /// The cylinder of `radius` about axis from `base`, without normals at its side.
 std::optional<Chord> cylinder_chord(const AxisFrame& f, double radius, double direction_sq) noexcept {
     std::optional<Chord> chord = within_radius(f.across, f.drift, radius, direction_sq);
-    if (!chord || !cut(*chord, -f.height, 1.0 - f.height, f.climb, -f.axis, f.axis)) {
+    if (!chord || !cut(*chord, -f.height, f.top - f.height, f.climb, -f.axis, f.axis)) {
         return std::nullopt;
     }
     return chord;
@@ -127,6 +130,40 @@ std::optional<Chord> cone_chord(const AxisFrame& f, double radius) noexcept {
         chord.enter = high;
     } else {
         chord.exit = low;
+    }
+    return chord;
+}
+
+/// Where the line `from` + t `d` is in a cone, its tip at the origin, with the normals. @param from  near the tip.
+std::optional<Chord> whole_cone_chord(const dvec3& from, const dvec3& d, const dvec3& axis, double radius) noexcept {
+    const AxisFrame f(from, d, axis);
+    const double slope = radius / f.top;
+    std::optional<Chord> chord = cone_chord(f, slope);
+    if (!chord || !cut(*chord, -f.height, f.top - f.height, f.climb, -f.axis, f.axis)) {
+        return std::nullopt;
+    }
+    const dvec3 back = slope / glm::dot(f.axis, f.axis) * f.axis;
+    const auto side_normal = [&](double t) {  // the gradient of |across| - radius height; at the tip, against the axis
+        const dvec3 across = f.across + t * f.drift;
+        const double distance = std::sqrt(glm::dot(across, across));
+        return (distance > 0.0 ? across / distance : dvec3{0.0}) - back;
+    };
+    chord->normal_enter = chord->normal_enter == dvec3{0.0} ? side_normal(chord->enter) : chord->normal_enter;
+    chord->normal_exit = chord->normal_exit == dvec3{0.0} ? side_normal(chord->exit) : chord->normal_exit;
+    return chord;
+}
+
+/// The same for one that is next to flat, in units in which squares do not overflow; no flatter than 2^-400 of `size`, the largest
+/// of the lengths.
+std::optional<Chord> flat_cone_chord(const dvec3& from, const dvec3& d, const dvec3& axis, double radius, double size) noexcept {
+    const double length_unit = std::ldexp(1.0, std::ilogb(size));
+    const double direction_unit = std::ldexp(1.0, std::ilogb(largest(d)));
+    const int thin = std::max(std::ilogb(largest(axis)) - std::ilogb(size), -400) - std::ilogb(largest(axis));
+    const dvec3 scaled{std::ldexp(axis.x, thin), std::ldexp(axis.y, thin), std::ldexp(axis.z, thin)};
+    std::optional<Chord> chord = whole_cone_chord(from / length_unit, d / direction_unit, scaled, radius / length_unit);
+    if (chord) {
+        chord->enter *= length_unit / direction_unit;
+        chord->exit *= length_unit / direction_unit;
     }
     return chord;
 }
@@ -194,6 +231,9 @@ std::optional<Chord> intersect(const Capsule<double>& capsule, const Line& line)
 }
 
 std::optional<Chord> intersect(const Cylinder<double>& cylinder, const Line& line) noexcept {
+    if (cylinder.axis.a == cylinder.axis.b) {
+        return std::nullopt;  // scaled away
+    }
     const AxisFrame f(line.origin - cylinder.axis.a, line.direction, cylinder.axis.b - cylinder.axis.a);
     std::optional<Chord> chord = cylinder_chord(f, cylinder.radius, glm::dot(line.direction, line.direction));
     if (chord) {
@@ -206,24 +246,20 @@ std::optional<Chord> intersect(const Cylinder<double>& cylinder, const Line& lin
 
 std::optional<Chord> intersect(const Cone<double>& cone, const Line& line) noexcept {
     const dvec3& d = line.direction;
+    const dvec3 axis = cone.base_center - cone.tip;
+    if (axis == dvec3{0.0}) {
+        return std::nullopt;  // scaled away
+    }
     dvec3 from = line.origin - cone.tip;
     const double approach = -glm::dot(from, d) / glm::dot(d, d);
     from += approach * d;
-    const AxisFrame f(from, d, cone.base_center - cone.tip);
-    std::optional<Chord> chord = cone_chord(f, cone.radius);
-    if (!chord || !cut(*chord, -f.height, 1.0 - f.height, f.climb, -f.axis, f.axis)) {
-        return std::nullopt;
+    const double size = std::max(largest(from), cone.radius);
+    std::optional<Chord> chord =
+        largest(axis) < 0x1p-100 * size ? flat_cone_chord(from, d, axis, cone.radius, size) : whole_cone_chord(from, d, axis, cone.radius);
+    if (chord) {
+        chord->enter += approach;
+        chord->exit += approach;
     }
-    const double axis_sq = glm::dot(f.axis, f.axis);
-    const auto side_normal = [&](double t) {  // the gradient of |across| - radius height; at the tip, against the axis
-        const dvec3 across = f.across + t * f.drift;
-        const double distance = std::sqrt(glm::dot(across, across));
-        return (distance > 0.0 ? across / distance : dvec3{0.0}) - cone.radius / axis_sq * f.axis;
-    };
-    chord->normal_enter = chord->normal_enter == dvec3{0.0} ? side_normal(chord->enter) : chord->normal_enter;
-    chord->normal_exit = chord->normal_exit == dvec3{0.0} ? side_normal(chord->exit) : chord->normal_exit;
-    chord->enter += approach;
-    chord->exit += approach;
     return chord;
 }
 

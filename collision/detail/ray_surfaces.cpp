@@ -2,6 +2,7 @@
 #include <carom/collision/detail/exact_sign.hpp>
 #include <carom/collision/detail/ray_surfaces.hpp>
 #include <carom/collision/detail/ray_triangle.hpp>
+#include <carom/collision/detail/widen.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -10,13 +11,17 @@
 namespace carom::geo {
 namespace {
 
-/// a b - c d within 2 ulp of itself, not only of its products; its sign is exact.
+/// a b - c d within 2 ulp of itself, not only of its products; its sign is exact, or zero where products underflow.
 double exact_difference(double a, double b, double c, double d) noexcept {
     const double p = a * b;
     const double q = c * d;
     const double difference = p - q;
-    if (2.0 * std::abs(difference) >= std::max(std::abs(p), std::abs(q))) [[likely]] {
+    const double larger = std::max(std::abs(p), std::abs(q));
+    if (2.0 * std::abs(difference) >= larger) [[likely]] {
         return difference;
+    }
+    if (larger < kLeastProduct) [[unlikely]] {
+        return difference;  // which is exact: the products are within a factor of two
     }
     return difference + (product_error(a, b, p) - product_error(c, d, q));
 }
@@ -95,9 +100,19 @@ std::optional<Crossing> cross(const Disc<double>& disc, const Line& line) noexce
 
 std::optional<Crossing> cross(const Triangle<double>& triangle, const Line& line) noexcept {
     const ShearedFrame frame(line);
-    const dvec3 p = frame.image(triangle.a);
-    const dvec3 q = frame.image(triangle.b);
-    const dvec3 r = frame.image(triangle.c);
+    dvec3 p = frame.image(triangle.a);
+    dvec3 q = frame.image(triangle.b);
+    dvec3 r = frame.image(triangle.c);
+    const double size = std::max({std::abs(p.x), std::abs(p.y), std::abs(q.x), std::abs(q.y), std::abs(r.x), std::abs(r.y)});
+    if (size < 0x1p-400 && size > 0.0) [[unlikely]] {
+        // Products would underflow and take every edge with them. Scaled by a power of two the signs are the same ones, so that
+        // neighbours that need no scaling agree.
+        const int up = std::min(-std::ilogb(size), 1000);
+        for (dvec3* image : {&p, &q, &r}) {
+            image->x = std::ldexp(image->x, up);
+            image->y = std::ldexp(image->y, up);
+        }
+    }
     const std::optional<dvec3> weights = weights_at_axis(p, q, r, exact_difference);
     if (!weights) {
         return std::nullopt;
@@ -113,10 +128,17 @@ std::optional<Crossing> cross(std::span<const Vec3<T>> corners, double scale, co
     const dvec3 first = corner(0);
     dvec3 normal{0.0};
     dvec3 arm = corner(1) - first;
+    double reach = largest(arm);
     for (std::size_t i = 2; i < corners.size(); ++i) {
         const dvec3 next = corner(i) - first;
         normal += glm::cross(arm, next);
         arm = next;
+        reach = std::max(reach, largest(arm));
+    }
+    // Each of n cross products errs by 6 u of 2 reach^2 and their sum by n u of n times that: a normal below is all rounding.
+    const auto n = static_cast<double>(corners.size());
+    if (!(largest(normal) > n * (n + 6.0) * 0x1p-52 * (reach * reach))) {
+        return std::nullopt;
     }
     const std::optional<Crossing> crossing =
         cross(Disc<double>{first, normal, std::numeric_limits<double>::infinity()}, line);

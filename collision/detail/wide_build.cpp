@@ -1,41 +1,17 @@
 #include <carom/collision/detail/wide_build.hpp>
 
 #include <carom/collision/detail/sah_tree.hpp>
+#include <carom/collision/detail/weld.hpp>
+#include <carom/collision/detail/wide_check.hpp>
+#include <carom/collision/detail/wide_crowding.hpp>
 #include <carom/collision/detail/wide_refit.hpp>
 
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 
 namespace carom {
 namespace {
-
-std::uint32_t hash_of(const vec3& v) noexcept {
-    // Adding zero makes +0 of -0.
-    const auto x = std::uint64_t{std::bit_cast<std::uint32_t>(v.x + 0.0f)};
-    const auto y = std::uint64_t{std::bit_cast<std::uint32_t>(v.y + 0.0f)};
-    const auto z = std::uint64_t{std::bit_cast<std::uint32_t>(v.z + 0.0f)};
-    std::uint64_t h = (x | y << 32) * 0x9e3779b97f4a7c15u;
-    h = (h ^ (h >> 32) ^ z) * 0xd6e8feb86659fd93u;
-    return static_cast<std::uint32_t>(h >> 32);
-}
-
-/// @return for each vertex the first one at its position.
-std::vector<std::uint32_t> first_at_position(std::span<const vec3> vertices) {
-    constexpr std::uint32_t kFree = 0xffffffffu;
-    const std::size_t size = std::bit_ceil(2 * vertices.size() + 1);
-    const std::size_t mask = size - 1;
-    HugePageVector<std::uint32_t> table(size, kFree);
-    std::vector<std::uint32_t> first(vertices.size());
-    for (std::uint32_t i = 0; i < vertices.size(); ++i) {
-        std::size_t slot = hash_of(vertices[i]) & mask;
-        while (table[slot] != kFree && vertices[table[slot]] != vertices[i]) slot = (slot + 1) & mask;
-        if (table[slot] == kFree) table[slot] = i;
-        first[i] = table[slot];
-    }
-    return first;
-}
 
 /// Writes nodes and leaves of the folded tree.
 class Folding {
@@ -199,6 +175,9 @@ WideBvh build_wide_bvh(std::span<const vec3> vertices, std::span<const Corners> 
     out.scale = wide_scale_for(largest);
 
     out.lossless = scales_without_loss(vertices, out.scale);
+    out.welded = std::any_of(triangles.begin(), triangles.end(), [&](const Corners& t) {
+        return std::any_of(t.begin(), t.end(), [&](std::uint32_t v) { return welded[v] != v; });
+    });
 
     HugePageVector<SahItem> items(triangles.size());
     HugePageVector<Corners> corners(triangles.size());
@@ -220,7 +199,7 @@ WideBvh build_wide_bvh(std::span<const vec3> vertices, std::span<const Corners> 
     out.upper = {-box.minimum[4], -box.minimum[5], -box.minimum[6]};
     out.update_far_reach();
     Folding(out, tree, vertices, corners).run();
-    out.built_cost = out.sah_cost;
+    out.crowding = out.built_crowding = crowding_of(out, all_refs(out));
     return out;
 }
 

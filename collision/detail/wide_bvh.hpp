@@ -75,7 +75,10 @@ struct WideBvh {
     float zero_upper = 0.0f;
     float far_reach = 0.0f;        ///< kFar sizes where scale is 1, else -1: rays from further off are moved or scaled first
     double sah_cost = 0.0;         ///< see StaticBvh::sah_cost
-    double built_cost = 0.0;       ///< what sah_cost was when the tree was built
+    double crowding = 1.0;         ///< see crowding_of (wide_crowding.hpp)
+    double built_crowding = 1.0;   ///< what it was when the tree was built
+    bool welded = false;           ///< when the tree was built, triangles had different vertices at one position
+    std::uint64_t id = 0;          ///< of this process' trees, never given twice; a refit keeps it, as it keeps leaves where they are
 
     [[nodiscard]] static constexpr WideRef root() noexcept { return 0; }
     /// Sets far_reach; to be called when the box or the scale has changed.

@@ -3,10 +3,13 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 namespace carom {
 namespace {
+
+constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 /// The largest distance along an axis from `origin` to the tree's box.
 float reach_of(const WideBvh& tree, const float* origin) noexcept {
@@ -42,9 +45,38 @@ void set_up(const float* origin, const float* d, std::int32_t z, float reach, Wi
 
 /// The larger float of the two around x, or x.
 float round_up(double x) noexcept {
-    if (x > static_cast<double>(std::numeric_limits<float>::max())) return std::numeric_limits<float>::infinity();
+    if (x > static_cast<double>(std::numeric_limits<float>::max())) return kInfinity;
     const float rounded = static_cast<float>(x);
-    return static_cast<double>(rounded) < x ? std::nextafter(rounded, std::numeric_limits<float>::infinity()) : rounded;
+    return static_cast<double>(rounded) < x ? std::nextafter(rounded, kInfinity) : rounded;
+}
+
+/// The last float t >= 0 where `holds(t)`, which holds at 0 and up to there. @param guess  >= 0; the nearer, the faster.
+template <class Holds>
+float last_where(float guess, Holds&& holds) noexcept {
+    constexpr auto kEnd = std::bit_cast<std::uint32_t>(kInfinity);
+    const auto holds_at = [&](std::uint32_t bits) { return holds(std::bit_cast<float>(bits)); };
+    // Floats >= +0 are in the order of their bits. First a bracket round the guess, in steps that double.
+    std::uint32_t yes = std::bit_cast<std::uint32_t>(guess), no = yes;
+    std::uint32_t step = 1;
+    if (holds_at(yes)) {
+        for (; yes < kEnd; step *= 2) {
+            no = kEnd - yes > step ? yes + step : kEnd;
+            if (!holds_at(no)) break;
+            yes = no;
+        }
+        if (yes == kEnd) return kInfinity;
+    } else {
+        for (;; step *= 2) {
+            yes = no > step ? no - step : 0;
+            if (yes == 0 || holds_at(yes)) break;
+            no = yes;
+        }
+    }
+    while (no - yes > 1) {
+        const std::uint32_t middle = yes + (no - yes) / 2;
+        (holds_at(middle) ? yes : no) = middle;
+    }
+    return std::bit_cast<float>(yes);
 }
 
 }  // namespace
@@ -75,10 +107,10 @@ bool prepare(const WideBvh& tree, const geo::Ray<double>& ray, WideRay& out) noe
     const dvec3 aside = to_center - middle * d;
     if (!(glm::dot(aside, aside) <= (radius + rounding) * (radius + rounding))) return false;
     const double half = (radius + rounding) / std::sqrt(length_sq);
-    // Nothing is hit outside middle -+ half. Working from the beginning of that keeps rounding to the size of the mesh.
-    out.moved = 0.0;
+    // Nothing is hit outside middle -+ half. Working from the beginning of that keeps rounding to the size of the mesh. It does not
+    // depend on the ray's interval, so that a ray cut to where it hit hits there again.
     const bool far = glm::length(to_center) > static_cast<double>(WideBvh::kFar) * radius;
-    if (t_min < 0.0 || (far && middle - half > 0.0)) out.moved = std::max(t_min, middle - half);
+    out.moved = t_min < 0.0 || (far && middle - half > 0.0) ? middle - half : 0.0;
     t_min -= out.moved;
     t_max -= out.moved;
     if (!(t_max >= 0.0) || t_min > middle + half - out.moved) return false;
@@ -87,7 +119,7 @@ bool prepare(const WideBvh& tree, const geo::Ray<double>& ray, WideRay& out) noe
     const float direction[3] = {static_cast<float>(d.x), static_cast<float>(d.y), static_cast<float>(d.z)};
     const std::int32_t z = largest_axis(std::abs(direction[0]), std::abs(direction[1]), std::abs(direction[2]));
     set_up(origin, direction, z, reach_of(tree, origin), out);
-    out.t_min = std::max(static_cast<float>(t_min), 0.0f);
+    out.t_min = std::max(static_cast<float>(t_min), 0.0f) + 0.0f;  // -0 becomes +0
     out.t_max = round_up(t_max);
     return true;
 }
@@ -95,8 +127,20 @@ bool prepare(const WideBvh& tree, const geo::Ray<double>& ray, WideRay& out) noe
 float WideRay::own_t(double t) const noexcept { return round_up(t / unit - moved); }
 
 bool prepare_unusual(const WideBvh& tree, const geo::Ray<float>& ray, WideRay& out) noexcept {
-    const geo::Ray<double> wide{dvec3(ray.origin), dvec3(ray.direction), static_cast<double>(ray.t_min), static_cast<double>(ray.t_max)};
-    return prepare(tree, wide, out);
+    if (!(ray.t_min <= ray.t_max)) return false;
+    // Wider by one float on either side, for what is rounded to a bound; then exactly what is.
+    const float before = ray.t_min == 0.0f ? 0.0f : std::nextafter(ray.t_min, -kInfinity);
+    const float after = std::nextafter(ray.t_max, kInfinity);
+    const geo::Ray<double> wide{dvec3(ray.origin), dvec3(ray.direction), static_cast<double>(before), static_cast<double>(after)};
+    if (!prepare(tree, wide, out)) return false;
+    if (out.caller_t(0.0f) > ray.t_max) return false;
+    out.t_max = last_where(out.t_max, [&](float t) { return out.caller_t(t) <= ray.t_max; });
+    if (out.caller_t(0.0f) >= ray.t_min) {
+        out.t_min = 0.0f;
+    } else {
+        out.t_min = std::nextafter(last_where(out.t_min, [&](float t) { return out.caller_t(t) < ray.t_min; }), kInfinity);
+    }
+    return out.t_min <= out.t_max;
 }
 
 bool prepare(const WideBvh& tree, const geo::Ray<float>& ray, WideRay& out) noexcept {

@@ -41,6 +41,7 @@ namespace carom {
 struct WideRay {
     static constexpr float kPad = 28.0f * 0x1p-24f;
     static constexpr float kLeastComponent = 1e-18f;
+    static constexpr float kLeastBound = 0x1p-60f;  ///< of t: smaller ones may underflow in the tree's units
 
     // Three floats each; lanes write a fourth.
     alignas(16) float origin[4];
@@ -71,7 +72,8 @@ struct WideRay {
 /// The same for a ray in float, one number at a time. Kernels have prepare_lanes (wide_traverse.hpp), which gives the same bits.
 [[nodiscard]] bool prepare(const WideBvh& tree, const geo::Ray<float>& ray, WideRay& out) noexcept;
 
-/// The same by way of double, which has room for every case: bounds are those of the nearest float.
+/// The same by way of double, which has room for every case. Bounds are exact: what out.t_min <= t <= out.t_max says of a t is what
+/// the ray's own bounds say of caller_t(t).
 [[nodiscard]] bool prepare_unusual(const WideBvh& tree, const geo::Ray<float>& ray, WideRay& out) noexcept;
 
 [[nodiscard]] inline std::int32_t largest_axis(float x, float y, float z) noexcept {
@@ -88,7 +90,8 @@ struct UnitBinade {
 
 /// True where a ray needs neither moving nor scaling, but for non-finite components. @param exponent  of its largest component, biased.
 [[nodiscard]] inline bool is_usual(const WideBvh& tree, const geo::Ray<float>& ray, float reach, std::uint32_t exponent) noexcept {
-    return (exponent - 64u < 127u) & (reach <= tree.far_reach) & (ray.t_min >= 0.0f) & (ray.t_min <= ray.t_max);
+    return (exponent - 64u < 127u) & (reach <= tree.far_reach) & ((ray.t_min == 0.0f) | (ray.t_min >= WideRay::kLeastBound)) &
+           (ray.t_max >= WideRay::kLeastBound) & (ray.t_min <= ray.t_max);
 }
 
 inline void set_bounds(const geo::Ray<float>& ray, UnitBinade binade, WideRay& out) noexcept {

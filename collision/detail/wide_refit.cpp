@@ -1,6 +1,8 @@
 #include <carom/collision/detail/wide_refit.hpp>
 
+#include <carom/collision/detail/weld.hpp>
 #include <carom/collision/detail/wide_check.hpp>
+#include <carom/collision/detail/wide_crowding.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -38,6 +40,27 @@ bool move_vertices(WideLeaf& leaf, float scale, std::span<const vec3> vertices, 
     return true;
 }
 
+/// The positions of all leaves' vertices.
+std::vector<vec3> positions_of(const WideBvh& tree, std::span<const WideRef> refs) {
+    std::vector<vec3> positions;
+    for (const WideRef ref : refs) {
+        if (!is_leaf(ref)) continue;
+        const WideLeaf& leaf = tree.leaf(ref);
+        for (std::uint32_t k = 0; k < leaf.vertex_count; ++k) positions.push_back({leaf.vertex[0][k], leaf.vertex[1][k], leaf.vertex[2][k]});
+    }
+    return positions;
+}
+
+/// @return whether vertices that were at one position still are.
+bool stay_together(const WideBvh& before, const WideBvh& after, std::span<const WideRef> refs) {
+    const std::vector<std::uint32_t> first = first_at_position(positions_of(before, refs));
+    const std::vector<vec3> moved = positions_of(after, refs);
+    for (std::size_t i = 0; i < first.size(); ++i) {
+        if (moved[i] != moved[first[i]]) return false;
+    }
+    return true;
+}
+
 }  // namespace
 
 float wide_scale_for(float largest) noexcept {
@@ -55,6 +78,7 @@ bool scales_without_loss(std::span<const vec3> vertices, float scale) noexcept {
 
 Status refit_wide_bvh(WideBvh& tree, std::span<const vec3> vertices, std::span<const Corners> triangles) {
     constexpr const char* kWhere = "StaticBvh::refit";
+    const Error apart{ErrorCode::WrongType, "vertices that were at one position have moved apart: build the hierarchy anew", kWhere};
     float largest = 0.0f;
     for (const vec3& v : vertices) largest = std::max({largest, std::abs(v.x), std::abs(v.y), std::abs(v.z)});
     if (wide_scale_for(largest) != tree.scale) {
@@ -69,9 +93,7 @@ Status refit_wide_bvh(WideBvh& tree, std::span<const vec3> vertices, std::span<c
         WideBox& box = boxes[start_of(ref)];
         if (is_leaf(ref)) {
             WideLeaf& leaf = moved.leaf(ref);
-            if (!move_vertices(leaf, moved.scale, vertices, triangles)) {
-                return Error{ErrorCode::WrongType, "vertices that were at one position have moved apart: build the hierarchy anew", kWhere};
-            }
+            if (!move_vertices(leaf, moved.scale, vertices, triangles)) return apart;
             box = box_of(leaf);
         } else {
             WideNode& node = moved.node(ref);
@@ -86,11 +108,13 @@ Status refit_wide_bvh(WideBvh& tree, std::span<const vec3> vertices, std::span<c
         }
         if (i > 0) cost += weight_of(box) * (is_leaf(ref) ? 1.0 : 2.0);
     }
+    if (tree.welded && !stay_together(tree, moved, refs)) return apart;
     moved.lower = boxes[0].lower;
     moved.upper = boxes[0].upper;
     moved.lossless = scales_without_loss(vertices, moved.scale);
     moved.update_far_reach();
     moved.sah_cost = cost / weight_of(boxes[0]);
+    moved.crowding = crowding_of(moved, refs);
     tree = std::move(moved);
     return {};
 }

@@ -71,10 +71,11 @@ void VisitLeavesNear(const WideBvh& tree, const WidePoint3& point, float reach, 
         WideRef ref;
         float distance_sq;
     };
-    // Each square and sum is rounded once: 8 u of the whole, and the slack, cover them. Squares that overflow bound nothing.
+    // Each square and sum is rounded once: 8 u of the whole, and the slack, cover them; three squares that underflow are 1.5 of the
+    // least denormals too large together. Squares that overflow bound nothing.
     const auto limit_of = [&](float distance) {
         const float bound = (distance + point.slack) * 1.000001f;
-        return bound * bound;
+        return bound * bound + 0x1p-147f;
     };
     Entry stack[WideBvh::kMaxStack];
     std::size_t size = 0;

@@ -11,6 +11,7 @@
 namespace carom {
 
 /// A convex volume in the coordinates of a tree, or anything that holds it: a box, cut by half-spaces normal . x <= offset.
+/// The box is finite: lanes without a child have the box [inf, -inf], which an infinite one would meet.
 struct WideVolume {
     static constexpr std::size_t kMaxPlanes = 8;
     struct Cut {

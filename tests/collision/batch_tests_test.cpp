@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <cstring>
 #include <functional>
@@ -193,6 +194,69 @@ TEST(Batch, OfPointAndTrianglesIsClosestWithinTheBound) {
     });
 }
 
+// Triangles that the ray meets at all slopes, and rays that end to the last bit at where it does.
+TEST(Batch, OfRayAndTrianglesEndsWhereASingleOneDoes) {
+    at_every_width([] {
+        Random random(0x0708);
+        int hits = 0;
+        double worst = 0.0;
+        for (int i = 0; i < 3000; ++i) {
+            const auto point = [&](double s) { return dvec3{random.range(-s, s), random.range(-s, s), random.range(-s, s)}; };
+            const dvec3 origin(vec3(point(3.0))), direction(vec3(point(1.0)));
+            const dvec3 at = origin + random.range(0.5, 4.0) * direction;
+            // Two edges nearly along the ray, the more so the larger i % 16.
+            const dvec3 across = std::ldexp(1.0, -(i % 16)) * point(1.0);
+            const dvec3 e1 = random.range(0.5, 1.0) * direction + across, e2 = random.range(-1.0, -0.5) * direction + 0.5 * point(1.0) * std::ldexp(1.0, -(i % 16));
+            const std::array<Triangle<float>, 1> t{Triangle<float>{vec3(at - (e1 + e2) / 3.0), vec3(at + e1 - (e1 + e2) / 3.0), vec3(at + e2 - (e1 + e2) / 3.0)}};
+            Ray<float> ray{.origin = vec3(origin), .direction = vec3(direction), .t_min = -kInfinity};
+            const auto want = cast_ray(t[0], ray);
+            if (!want) continue;
+            ++hits;
+            std::array<float, 1> found{};
+            cast_ray_batch(t, ray, found);
+            double size = 0.0;
+            for (const vec3& p : {t[0].a, t[0].b, t[0].c}) size = std::max(size, static_cast<double>(glm::length(dvec3(p) - origin)));
+            const double off = std::fabs(static_cast<double>(found[0]) - static_cast<double>(want->t)) * glm::length(direction);
+            ASSERT_LE(off, 512 * kEps * size) << i;
+            worst = std::max(worst, off / (512 * kEps * size));
+            for (const float end : {want->t, std::nextafter(want->t, kInfinity), std::nextafter(want->t, -kInfinity)}) {
+                for (const Ray<float>& cut : {Ray<float>{ray.origin, ray.direction, -kInfinity, end}, Ray<float>{ray.origin, ray.direction, end, kInfinity}}) {
+                    cast_ray_batch(t, cut, found);
+                    ASSERT_EQ(found[0] < kInfinity, cast_ray(t[0], cut).has_value()) << i;
+                }
+            }
+        }
+        EXPECT_GT(hits, 1000);
+        testing::Test::RecordProperty("worst", std::to_string(worst));
+    });
+}
+
+// Far from the world's origin it is the rounding of the point that counts, and only that.
+TEST(Batch, ClosestPointsFarFromTheOriginAreRoundedAndNoMore) {
+    Random random(0x0707);
+    for (const double far : {0.0, 10.0, 1e3, 1e5, 1e6}) {
+        double worst = 0.0;
+        for (int i = 0; i < 2000; ++i) {
+            const auto point = [&] { return vec3(dvec3{far} + dvec3{random.range(-1, 1), random.range(-1, 1), random.range(-1, 1)}); };
+            const std::array<Triangle<float>, 1> t{Triangle<float>{point(), point(), point()}};
+            const vec3 p = point();
+            std::array<ClosestPoints<float>, 1> closest;
+            closest_points_batch(t, p, closest);
+            double size = 0.0;
+            for (const vec3& corner : {t[0].a, t[0].b, t[0].c}) {
+                const dvec3 d = glm::abs(dvec3(corner) - dvec3(p));
+                size = std::max({size, d.x, d.y, d.z});
+            }
+            const Triangle<double> exact{dvec3(t[0].a), dvec3(t[0].b), dvec3(t[0].c)};
+            const double outside = std::sqrt(closest_points(dvec3(closest[0].on_b), exact).distance_sq);
+            const double half_ulps = glm::length(dvec3(glm::abs(closest[0].on_b))) * 0x1p-24;
+            ASSERT_LE(outside, 16 * kEps * size + half_ulps) << far;
+            worst = std::max(worst, outside / (16 * kEps * size + half_ulps));
+        }
+        EXPECT_GT(worst, 0.01) << "the bound says nothing";
+    }
+}
+
 TEST(Batch, HasTheSameBitsAtEveryWidth) {
     Cases<float> cases(0x0706);
     const Ray<float> ray{.origin = {-3, 0.1f, 0.2f}, .direction = {1, 0.02f, -0.03f}};
@@ -228,6 +292,13 @@ TEST(Batch, RefusesOutputOfAnotherLengthAndLeavesItAlone) {
     EXPECT_THROW(cast_ray_batch(triangles, Ray<float>{}, t), MisuseError);
     EXPECT_THROW(overlaps_batch(boxes, Sphere<float>{}, hit), MisuseError);
     EXPECT_THROW(closest_points_batch(triangles, vec3{0.0f}, closest), MisuseError);
+    try {
+        cast_ray_batch(boxes, Ray<float>{}, t);
+        FAIL();
+    } catch (const MisuseError& misuse) {
+        EXPECT_NE(misuse.error().where.find("cast_ray_batch("), std::string::npos) << misuse.error().where;
+        EXPECT_EQ(misuse.error().where.find("lambda"), std::string::npos) << misuse.error().where;
+    }
     EXPECT_EQ(t, (std::vector<float>{-7.0f, -7.0f}));
     EXPECT_EQ(hit, (std::vector<std::uint8_t>{7, 7, 7, 7}));
     cast_ray_batch(std::span<const Aabb<float>>{}, Ray<float>{}, std::span<float>{});  // nothing to do is fine

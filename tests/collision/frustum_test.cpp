@@ -227,6 +227,8 @@ TYPED_TEST(Frusta, BadInputIsNamed) {
     expect_error(geo::frustum_of(Camera{.far_distance = kNan}), ErrorCode::NotFinite);
     expect_error(geo::frustum_of(Camera{.forward = {0, 0, 0}}), ErrorCode::Degenerate);
     expect_error(geo::frustum_of(Camera{.forward = {0, 2, 0}}), ErrorCode::Degenerate);
+    expect_error(geo::frustum_of(Camera{.forward = {T(0.1), T(0.2), T(0.3)}, .up = {T(0.3), T(0.6), T(0.9)}}), ErrorCode::Degenerate);
+    EXPECT_TRUE(geo::frustum_of(Camera{.forward = {T(0.1), T(0.2), T(0.3)}, .up = {T(0.3), T(0.6), T(0.9001)}}));
     expect_error(geo::frustum_of(Camera{.fovy = T(0)}), ErrorCode::InvalidArgument);
     expect_error(geo::frustum_of(Camera{.fovy = T(3.2)}), ErrorCode::InvalidArgument);
     expect_error(geo::frustum_of(Camera{.aspect = T(0)}), ErrorCode::InvalidArgument);
@@ -235,6 +237,9 @@ TYPED_TEST(Frusta, BadInputIsNamed) {
     expect_error(geo::frustum_of(glm::mat<4, 4, T>(kNan)), ErrorCode::NotFinite);
     glm::mat<4, 4, T> nothing(T(0));
     nothing[3][3] = T(-1);
+    expect_error(geo::frustum_of(nothing), ErrorCode::Degenerate);
+    expect_error(geo::frustum_of(glm::mat<4, 4, T>(T(0))), ErrorCode::Degenerate);
+    nothing[3][3] = T(1);
     expect_error(geo::frustum_of(nothing), ErrorCode::Degenerate);
 
     const geo::Frustum<T> view = geo::frustum_of(Camera{}).value();

@@ -5,7 +5,6 @@
 
 #include "mesh_rays_cases.hpp"
 
-#include <carom/collision/detail/exact_sign.hpp>
 #include <carom/collision/mesh_rays.hpp>
 
 #include <gtest/gtest.h>
@@ -16,7 +15,8 @@ namespace carom::test {
 
 /// What closest_hit is to give, by the method's definition and no tree: scalar, with exact signs in double.
 ///
-/// Images are float, so products of two coordinates are exact in double and a difference of two has an exact sign there. Rays here
+/// Images are float, so products of two coordinates are exact in double and a difference of two has an exact sign there; triangles
+/// too small for products in float, and those edge-on, are computed in double altogether. Rays here
 /// are near, and their largest component is in [1, 2), so that nothing is moved or scaled first.
 inline MeshHit by_definition(const MeshData& mesh, const FloatRay& ray) {
     int z = 0;
@@ -33,23 +33,33 @@ inline MeshHit by_definition(const MeshData& mesh, const FloatRay& ray) {
             image[c] = {std::fma(-shear.x, p[z], p[x]), std::fma(-shear.y, p[z], p[y]), p[z]};
         }
         float edge[3];
+        double exact[3];
         for (int c = 0; c < 3; ++c) {
             const dvec3 p(image[(c + 2) % 3]);
             const dvec3 q(image[(c + 1) % 3]);
-            const double exact = difference_of_products(p.x, q.y, p.y, q.x);
+            exact[c] = p.x * q.y - p.y * q.x;  // products of floats are exact in double
             const float rest = static_cast<float>(static_cast<double>(image[(c + 2) % 3].y * image[(c + 1) % 3].x) - p.y * q.x);
             edge[c] = std::fma(image[(c + 2) % 3].x, image[(c + 1) % 3].y, -(image[(c + 2) % 3].y * image[(c + 1) % 3].x)) + rest;
             // Exact, but for differences below the smallest denormal, which become zero.
-            EXPECT_EQ(exact > 0.0, edge[c] > 0.0f || (edge[c] == 0.0f && exact > 0.0 && exact < 0x1p-148)) << exact;
-            EXPECT_EQ(exact < 0.0, edge[c] < 0.0f || (edge[c] == 0.0f && exact < 0.0 && exact > -0x1p-148)) << exact;
+            EXPECT_EQ(exact[c] > 0.0, edge[c] > 0.0f || (edge[c] == 0.0f && exact[c] > 0.0 && exact[c] < 0x1p-148)) << exact[c];
+            EXPECT_EQ(exact[c] < 0.0, edge[c] < 0.0f || (edge[c] == 0.0f && exact[c] < 0.0 && exact[c] > -0x1p-148)) << exact[c];
         }
         if ((edge[0] < 0 || edge[1] < 0 || edge[2] < 0) && (edge[0] > 0 || edge[1] > 0 || edge[2] > 0)) continue;
         const float sum = (edge[0] + edge[1]) + edge[2];
-        if (sum == 0.0f) continue;
-        const float t = ((edge[0] * image[0].z + edge[1] * image[1].z) + edge[2] * image[2].z) / sum * depth;
+        float t = ((edge[0] * image[0].z + edge[1] * image[1].z) + edge[2] * image[2].z) / sum * depth;
+        float v = edge[1] / sum, w = edge[2] / sum;
+        if (std::abs(sum) < 0x1p-80f) {  // so small, or edge-on: in double
+            if ((exact[0] < 0 || exact[1] < 0 || exact[2] < 0) && (exact[0] > 0 || exact[1] > 0 || exact[2] > 0)) continue;
+            const double all = exact[0] + exact[1] + exact[2];
+            if (all == 0.0) continue;
+            double z_at = 0.0;
+            for (int c = 0; c < 3; ++c) z_at += exact[c] / all * static_cast<double>(image[c].z);
+            t = static_cast<float>(z_at * static_cast<double>(depth));
+            v = static_cast<float>(exact[1] / all), w = static_cast<float>(exact[2] / all);
+        }
         if (!(t >= ray.t_min) || !(t <= ray.t_max) || !(t < best_t || !best)) continue;
         best_t = t;
-        best = {t + 0.0f, number, edge[1] / sum, edge[2] / sum};
+        best = {t + 0.0f, number, v, w};
     }
     return best;
 }

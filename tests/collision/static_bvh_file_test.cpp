@@ -7,6 +7,7 @@
 #include <fuzz/static_bvh_file_check.hpp>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 #include <limits>
 #include <vector>
@@ -81,6 +82,119 @@ TEST(StaticBvhRefit, ShufflingTheVerticesDegradesTheTree) {
     }
     ASSERT_TRUE(bvh.refit(grid.vertices, grid.triangles));
     EXPECT_GT(bvh.degradation(), 2.0);
+}
+
+/// Small triangles all over a cube, each with corners of its own.
+Grid specks(std::uint32_t count) {
+    Random random(5);
+    Grid grid;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const auto in = [&](double size) { return static_cast<float>(random.range(-size, size)); };
+        const vec3 at{in(5), in(5), in(5)};
+        for (int k = 0; k < 3; ++k) grid.vertices.push_back(at + vec3{in(0.1), in(0.1), in(0.1)});
+        grid.triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
+    }
+    return grid;
+}
+
+// Growing and shrinking change from where rays are moved first, and which coordinates survive scaling.
+TEST(StaticBvhRefit, KnowsTheSizeOfTheMovedMesh) {
+    const Grid before = waves(8, 0.2f);
+    for (const float factor : {0.01f, 100.0f}) {
+        StaticBvh bvh = *StaticBvh::build(before.vertices, before.triangles);
+        Grid after = before;
+        for (vec3& v : after.vertices) v *= factor;
+        ASSERT_TRUE(bvh.refit(after.vertices, after.triangles));
+        const StaticBvh built = *StaticBvh::build(after.vertices, after.triangles);
+        EXPECT_EQ(bvh.wide().far_reach, built.wide().far_reach);
+        Random random(6);
+        const float size = 8.0f * factor;
+        for (int i = 0; i < 500; ++i) {
+            const auto in = [&](double s) { return size * static_cast<float>(random.range(-s, s)); };
+            const vec3 target{in(0.5) + 0.5f * size, 0, in(0.5) + 0.5f * size}, origin{in(20), size * 30.0f, in(20)};
+            const geo::Ray<float> ray{origin, target - origin};
+            const MeshHit a = closest_hit(bvh, ray), b = closest_hit(built, ray);
+            ASSERT_EQ(a.t, b.t) << i;
+            ASSERT_EQ(a.u, b.u) << i;
+        }
+    }
+    // A mesh of size 2^100 is scaled down, and a coordinate of 2^-40 does not survive that.
+    Grid huge = before;
+    for (vec3& v : huge.vertices) v = vec3{0x1p96f} * (v + 1.0f);
+    StaticBvh bvh = *StaticBvh::build(huge.vertices, huge.triangles);
+    EXPECT_TRUE(bvh.wide().lossless);
+    huge.vertices[0].x = 0x1.234p-40f;
+    ASSERT_TRUE(bvh.refit(huge.vertices, huge.triangles));
+    EXPECT_FALSE(bvh.wide().lossless);
+    huge.vertices[0].x = 0.0f;
+    ASSERT_TRUE(bvh.refit(huge.vertices, huge.triangles));
+    EXPECT_TRUE(bvh.wide().lossless);
+}
+
+TEST(StaticBvhRefit, ATriangleThatStraysDoesNotHideWhatBecameOfTheRest) {
+    const Grid before = specks(4000);
+    StaticBvh bvh = *StaticBvh::build(before.vertices, before.triangles);
+    Grid after = before;
+    for (const float far : {100.0f, 1e4f, 1e6f}) {
+        after.vertices[0] = vec3{far};
+        ASSERT_TRUE(bvh.refit(after.vertices, after.triangles));
+        EXPECT_LT(bvh.degradation(), 1.5) << "one triangle is no reason to build";
+    }
+    // Each triangle takes the place of another.
+    const std::size_t count = before.triangles.size();
+    for (std::size_t i = 0; i < count; ++i) {
+        for (std::size_t k = 0; k < 3; ++k) after.vertices[3 * i + k] = before.vertices[3 * ((i * 1117) % count) + k];
+    }
+    ASSERT_TRUE(bvh.refit(after.vertices, after.triangles));
+    EXPECT_GT(bvh.degradation(), 20.0);
+    after.vertices[0] = vec3{1e4f};
+    ASSERT_TRUE(bvh.refit(after.vertices, after.triangles));
+    EXPECT_GT(bvh.degradation(), 20.0);
+    EXPECT_GT(StaticBvh::load(bvh.save())->degradation(), 20.0) << "a file keeps it";
+    // Neither size nor place of the whole matters.
+    for (vec3& v : after.vertices) v = 16.0f * v;
+    const double was = bvh.degradation();
+    ASSERT_TRUE(bvh.refit(after.vertices, after.triangles));
+    EXPECT_EQ(bvh.degradation(), was);
+    EXPECT_EQ(StaticBvh::build(after.vertices, after.triangles)->degradation(), 1.0);
+}
+
+TEST(StaticBvhRefit, AFlatMeshHasNoDegradationOfItsOwn) {
+    Grid flat = waves(20, 0.0f, 0.0f);
+    for (vec3& v : flat.vertices) v.y = 0.1f;
+    StaticBvh bvh = *StaticBvh::build(flat.vertices, flat.triangles);
+    EXPECT_EQ(bvh.degradation(), 1.0);
+    ASSERT_TRUE(bvh.refit(flat.vertices, flat.triangles));
+    EXPECT_EQ(bvh.degradation(), 1.0);
+}
+
+// Which copies of a corner share a leaf must not matter.
+TEST(StaticBvhRefit, CornersAtOnePositionStayTogetherWhereverTheyAre) {
+    const Grid grid = waves(12, 0.3f);
+    Grid soup;
+    for (const StaticBvh::Triangle& t : grid.triangles) {
+        const auto first = static_cast<std::uint32_t>(soup.vertices.size());
+        for (const std::uint32_t v : t) soup.vertices.push_back(grid.vertices[v]);
+        soup.triangles.push_back({first, first + 1, first + 2});
+    }
+    StaticBvh bvh = *StaticBvh::build(soup.vertices, soup.triangles);
+    int shared = 0;
+    for (std::size_t i = 0; i < soup.vertices.size(); ++i) {
+        const bool alone = std::count(soup.vertices.begin(), soup.vertices.end(), soup.vertices[i]) == 1;
+        Grid moved = soup;
+        moved.vertices[i].y += 0.5f;
+        const Status status = StaticBvh::load(bvh.save())->refit(moved.vertices, moved.triangles);
+        ASSERT_EQ(static_cast<bool>(status), alone) << i;
+        shared += alone ? 0 : 1;
+    }
+    EXPECT_GT(shared, 700);
+    EXPECT_TRUE(StaticBvh::build(grid.vertices, grid.triangles)->refit(waves(12, 0.9f).vertices, grid.triangles));
+    // Corners of their own may meet and part again.
+    StaticBvh free = *StaticBvh::build(grid.vertices, grid.triangles);
+    std::vector<vec3> collapsed(grid.vertices.size(), vec3{1.0f});
+    ASSERT_TRUE(free.refit(collapsed, grid.triangles));
+    ASSERT_TRUE(free.refit(grid.vertices, grid.triangles));
+    EXPECT_TRUE(same(cast_many(free, 4), cast_many(*StaticBvh::build(grid.vertices, grid.triangles), 4)));
 }
 
 TEST(StaticBvhRefit, RefusesWhatOnlyABuildCanDo) {

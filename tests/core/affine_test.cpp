@@ -107,6 +107,20 @@ TEST(Affine, DecomposesIntoRotationAndScale) {
     EXPECT_EQ(decompose(with_linear(sheared, dvec3{0.0})).error().code, ErrorCode::Degenerate);
 }
 
+TEST(Affine, ColumnsInAPlaneAreDegenerateHoweverTheyAreRounded) {
+    EXPECT_EQ(decompose(with_linear({{0.1, 0.2, 0.3}, {0.4, 0.5, 0.6}, {0.7, 0.8, 0.9}}, dvec3{0.0})).error().code, ErrorCode::Degenerate);
+    Random random(0xaf5);
+    for (int i = 0; i < 3000; ++i) {
+        const dvec3 u = random_vector(random, 1.0), v = random_vector(random, 1.0);
+        const auto in_plane = [&] { return random.range(-1, 1) * u + random.range(-1, 1) * v; };
+        const dmat3 flat{in_plane(), in_plane(), in_plane()};
+        EXPECT_EQ(decompose(with_linear(flat, dvec3{0.0})).error().code, ErrorCode::Degenerate) << i;
+    }
+    dmat3 steep{1.0};
+    steep[1] = {1.0, 1e-13, 0.0};
+    EXPECT_EQ(decompose(with_linear(steep, dvec3{0.0})).error().code, ErrorCode::InvalidArgument) << "flat nearly, but not to rounding";
+}
+
 TEST(Affine, NormalsStayPerpendicularAndOnTheirSide) {
     Random random(0xaf4);
     for (int i = 0; i < 2000; ++i) {

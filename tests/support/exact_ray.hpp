@@ -316,6 +316,12 @@ struct Figure<std::span<const geo::Vec3<T>>> : Corners {
     }
 };
 
+/// Whether what holds at both ends of a segment holds between them.
+template <class Given>
+inline constexpr bool kIsConvex = true;
+template <class T>
+inline constexpr bool kIsConvex<std::span<const geo::Vec3<T>>> = false;
+
 /// What is wrong with the answer for a flat figure: `t` of the hit or nothing.
 template <class Given, class T>
 std::string surface_fault(const Given& given, const geo::Ray<T>& ray, std::optional<T> t, double k) {
@@ -334,14 +340,21 @@ std::string surface_fault(const Given& given, const geo::Ray<T>& ray, std::optio
     }
     const Rational height = dot(figure.normal, figure.origin() - line.origin);
     const Rational thick = by * sqrt_up(length_sq(figure.normal));
-    const auto crosses_deep = [&](const Rational& moved) {
+    const auto crossing = [&](const Rational& moved) {
+        return line.at((height + moved) / rate) - moved / length_sq(figure.normal) * figure.normal;
+    };
+    const auto crosses_deep = [&](const Rational& moved, const Rational& deep) {
         const Rational at = (height + moved) / rate;
         const Rational far = magnitude(at) + 1;
         const Range range = cut_to({-far, far}, ray);
-        const Rational to_plane = moved / length_sq(figure.normal);
-        return range.low <= at && at <= range.high && figure.deep_inside(line.at(at) - to_plane * figure.normal, by);
+        return range.low <= at && at <= range.high && figure.deep_inside(crossing(moved), deep);
     };
-    return crosses_deep(thick) && crosses_deep(-thick) ? "a hit is missed" : "";
+    if (!crosses_deep(thick, by) || !crosses_deep(-thick, by)) {
+        return "";
+    }
+    // A grazing ray may pass a notch of the outline between the two: certain is what is as deep as they are apart.
+    const Rational half = sqrt_up(length_sq(crossing(thick) - crossing(-thick))) / 2;
+    return kIsConvex<Given> || crosses_deep(Rational(0), by + half) ? "a hit is missed" : "";
 }
 
 /// The plane itself: t has a relative error of k eps, or is as small as underflow.
