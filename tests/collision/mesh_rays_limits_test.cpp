@@ -52,8 +52,8 @@ TEST(MeshRaysLimits, ATriangleOfAnySizeIsWatertight) {
             for (const MeshHit& h : hits) {
                 ASSERT_TRUE(h.u >= 0.0f && h.v >= 0.0f && h.u + h.v <= 1.0f + 0x1p-22f);
                 // The weights are those of the point, as precise as the mesh is small.
-                const auto& t = speck_in_a_large_mesh(s).triangles[h.triangle];
                 const MeshData mesh = speck_in_a_large_mesh(1.0f);
+                const auto& t = mesh.triangles[h.triangle];
                 const vec3 at = (1.0f - h.u - h.v) * mesh.vertices[t[0]] + h.u * mesh.vertices[t[1]] + h.v * mesh.vertices[t[2]];
                 const float error = s < 1e-37f ? 1e-4f : 1e-6f;  // denormal coordinates have few bits
                 ASSERT_NEAR(at.x, x, error);
