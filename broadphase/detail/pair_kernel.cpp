@@ -69,6 +69,22 @@ void sorted_rows(const std::uint32_t* values, std::uint32_t start, std::uint32_t
     }
 }
 
+// Without a branch on the row, which would be guessed wrong every other time.
+std::size_t picked_rows(const std::int32_t* first, const std::int32_t* second, std::size_t count, std::size_t first_row, std::size_t last_row,
+                        RowPairs& out) {
+    const Ints from{static_cast<std::int32_t>(first_row)}, to{static_cast<std::int32_t>(last_row)};
+    std::size_t picked = 0;
+    for (std::size_t i = 0; i < count; i += kLanes) {
+        const Ints a = load_unaligned(first + i), b = load_unaligned(second + i);
+        const Mask swapped = b < a;
+        const Ints row = select(swapped, b, a), value = select(swapped, a, b);
+        const Mask wanted = (row >= from) & (row < to) & first_lanes(static_cast<int>(count - i < kLanes ? count - i : kLanes));
+        compress_store(row, wanted, out.row + picked);
+        picked += compress_store(value, wanted, out.value + picked);
+    }
+    return picked;
+}
+
 // Whole vectors of pairs that both lists share are passed over at once.
 PairChanges changes_of(std::span<const ProxyPair> before, std::span<const ProxyPair> now, ProxyPair* ended, ProxyPair* begun) {
     std::size_t i = 0, j = 0, ended_count = 0, begun_count = 0;
@@ -112,6 +128,7 @@ namespace carom::detail {
 HWY_EXPORT(touched_pairs);
 HWY_EXPORT(sorted_rows);
 HWY_EXPORT(changes_of);
+HWY_EXPORT(picked_rows);
 
 // The pairs of a row differ, so the result does not depend on how they are sorted.
 void sort_long_row(ProxyPair* first, ProxyPair* last) noexcept {
@@ -122,6 +139,11 @@ void sort_long_row(ProxyPair* first, ProxyPair* last) noexcept {
 void sort_rows(const std::uint32_t* values, std::uint32_t start, std::uint32_t first_row, std::span<const std::uint32_t> ends,
                ProxyPair* out) {
     HWY_DYNAMIC_DISPATCH(sorted_rows)(values, start, first_row, ends, out);
+}
+
+std::size_t pick_rows(const std::int32_t* first, const std::int32_t* second, std::size_t count, std::size_t first_row, std::size_t last_row,
+                      RowPairs& out) {
+    return HWY_DYNAMIC_DISPATCH(picked_rows)(first, second, count, first_row, last_row, out);
 }
 
 PairChanges compare_lists(std::span<const ProxyPair> before, std::span<const ProxyPair> now, ProxyPair* ended, ProxyPair* begun) {

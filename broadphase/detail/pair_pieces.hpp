@@ -27,9 +27,14 @@ public:
         return a < b ? ProxyPair{a, b} : ProxyPair{b, a};
     }
 
+    /// The slots of each pair, readable up to kReadAhead beyond the last where there are any.
+    static constexpr std::size_t kReadAhead = 16;
+    [[nodiscard]] const std::int32_t* firsts() const noexcept { return first_.data(); }
+    [[nodiscard]] const std::int32_t* seconds() const noexcept { return second_.data(); }
+
     /// Where the kernel writes next, once there is room.
     void make_room(std::size_t count) {
-        if (first_.size() - count_ < count) grow(count);
+        if (first_.size() - count_ < count + kReadAhead) grow(count + kReadAhead);
     }
     [[nodiscard]] std::int32_t* next_first() noexcept { return first_.data() + count_; }
     [[nodiscard]] std::int32_t* next_second() noexcept { return second_.data() + count_; }

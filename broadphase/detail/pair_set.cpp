@@ -54,6 +54,20 @@ std::size_t find_place(const ProxyPair* pairs, std::size_t from, std::size_t cou
     return low;
 }
 
+// Calls use(a, b) for each pair found whose row lies in [first, last).
+template <class F>
+void for_rows(const PairPieces& found, std::size_t first, std::size_t last, F use) {
+    RowPairs pairs;
+    for (std::size_t k = 0; k < found.count(); ++k) {
+        const PairBuffer& piece = found[k];
+        for (std::size_t i = 0; i < piece.size(); i += RowPairs::kMost) {
+            const std::size_t count = std::min(RowPairs::kMost, piece.size() - i);
+            const std::size_t picked = pick_rows(piece.firsts() + i, piece.seconds() + i, count, first, last, pairs);
+            for (std::size_t n = 0; n < picked; ++n) use(static_cast<std::uint32_t>(pairs.row[n]), static_cast<std::uint32_t>(pairs.value[n]));
+        }
+    }
+}
+
 }  // namespace
 
 void PairSet::clear() noexcept {
@@ -105,25 +119,13 @@ void PairSet::replace(const PairPieces& found, std::size_t slots, Executor& exec
 
 void PairSet::count_rows(const PairPieces& found, std::size_t first, std::size_t last) {
     std::uint32_t* const count = row_ends_.data();
-    for (std::size_t k = 0; k < found.count(); ++k) {
-        const PairBuffer& piece = found[k];
-        for (std::size_t i = 0; i < piece.size(); ++i) {
-            const std::uint32_t row = piece[i].a;
-            if (row - first < last - first) ++count[row];
-        }
-    }
+    for_rows(found, first, last, [&](std::uint32_t row, std::uint32_t) { ++count[row]; });
 }
 
 void PairSet::deal_out(const PairPieces& found, std::size_t first, std::size_t last) {
     std::uint32_t* const ends = row_ends_.data();
     std::uint32_t* const values = row_values_.data();
-    for (std::size_t k = 0; k < found.count(); ++k) {
-        const PairBuffer& piece = found[k];
-        for (std::size_t i = 0; i < piece.size(); ++i) {
-            const ProxyPair pair = piece[i];
-            if (pair.a - first < last - first) values[ends[pair.a]++] = pair.b;
-        }
-    }
+    for_rows(found, first, last, [&](std::uint32_t row, std::uint32_t value) { values[ends[row]++] = value; });
 }
 
 // The list before moves to next_; pairs_ has room for `count`, and what changes has room for all.

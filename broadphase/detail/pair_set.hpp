@@ -96,6 +96,16 @@ private:
 /// @return how many.
 std::size_t find_touched(std::span<const ProxyPair> pairs, const SlotBits& changed, std::uint32_t* out);
 
+/// Some pairs by their rows, the lesser slots, and the others.
+struct RowPairs {
+    static constexpr std::size_t kMost = 512;
+    std::int32_t row[kMost + 16];
+    std::int32_t value[kMost + 16];
+};
+/// Picks those of `count` pairs, at most RowPairs::kMost, whose rows lie in [first_row, last_row). @return how many.
+std::size_t pick_rows(const std::int32_t* first, const std::int32_t* second, std::size_t count, std::size_t first_row, std::size_t last_row,
+                      RowPairs& out);
+
 /// What two sorted lists do not share. `ended` has room for all of `before`, `begun` for all of `now`. @return how many are in each.
 struct PairChanges {
     std::size_t ended, begun;
