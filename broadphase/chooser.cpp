@@ -12,7 +12,7 @@ namespace {
 
 constexpr std::size_t kSample = 1024;  // boxes that stand for all
 constexpr int kCoarse = 16;            // cells an axis of the coarse grid
-constexpr std::size_t kFewBoxes = 500;
+constexpr double kFewBoxes = 500.0, kFewMovingBoxes = 250.0;  // the latter where grids are built anew
 constexpr double kClumped = 0.5;  // fill below this
 constexpr double kSparseLine = 40.0;
 constexpr double kFewMove = 0.15, kManyMove = 0.25;  // the grids are built anew from the latter on
@@ -139,9 +139,9 @@ SceneStatistics measure(std::span<const FloatAabb> boxes, std::span<const unsign
     return scene;
 }
 
-bool is_few(std::size_t count, BroadphaseMethod current) noexcept {
-    const double limit = current == BroadphaseMethod::BruteForce ? kStay * kFewBoxes : kFewBoxes;
-    return static_cast<double>(count) <= limit;
+bool is_few(std::size_t count, double moving_share, BroadphaseMethod current) noexcept {
+    const double few = moving_share > kManyMove ? kFewMovingBoxes : kFewBoxes;
+    return static_cast<double>(count) <= (current == BroadphaseMethod::BruteForce ? kStay * few : few);
 }
 
 MethodChoice choose_method(const SceneStatistics& s, BroadphaseMethod current) noexcept {
@@ -149,7 +149,7 @@ MethodChoice choose_method(const SceneStatistics& s, BroadphaseMethod current) n
     // A threshold is farther away for a scene that would leave its method by passing it.
     const auto upper = [&](BroadphaseMethod method, double limit) { return current == method ? limit * kStay : limit; };
     const auto lower = [&](BroadphaseMethod method, double limit) { return current == method ? limit / kStay : limit; };
-    if (is_few(s.count, current)) return {BruteForce, "few boxes: testing every pair costs least"};
+    if (is_few(s.count, s.moving_share, current)) return {BruteForce, "few boxes: testing every pair costs least"};
     if (s.moving_share < upper(SortedAxes, kFewMove) && s.line_density < upper(SortedAxes, kSparseLine)) {
         return {SortedAxes, "few boxes side by side along every axis, of which few move: a mover passes few ends"};
     }

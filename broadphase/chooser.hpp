@@ -31,7 +31,7 @@ struct SceneStatistics {
 [[nodiscard]] SceneStatistics measure(std::span<const FloatAabb> boxes, std::span<const unsigned char> alive, double moving_share);
 
 /// Whether there are so few boxes that nothing else about them matters.
-[[nodiscard]] bool is_few(std::size_t count, BroadphaseMethod current) noexcept;
+[[nodiscard]] bool is_few(std::size_t count, double moving_share, BroadphaseMethod current) noexcept;
 
 struct MethodChoice {
     BroadphaseMethod method = BroadphaseMethod::BruteForce;

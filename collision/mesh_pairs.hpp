@@ -30,17 +30,19 @@ struct TrianglePair {
     friend auto operator<=>(const TrianglePair&, const TrianglePair&) = default;
 };
 
-/// @param b_in_a  the second mesh in the frame of the first: unit orientation to 1e-6, and where boxes overlap, coordinates up to
-///                2^100 m; not finite: nothing meets.
+/// @param b_in_a  the second mesh in the frame of the first. With an orientation that is not a unit one, the verdict is on the corners
+///                where transform_point() puts them; not finite: nothing meets.
 /// @return whether any two triangles share a point.
-/// Cost: O(log) where little is near, O(nodes near each other) in the worst case. No allocation, thread-safe.
+/// Cost: 6 to 10 us for two balls of 69,312 triangles that meet, less where they do not; O(nodes near each other) in the worst case. One
+/// allocation of a few kB, thread-safe.
 [[nodiscard]] bool meshes_overlap(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a);
 
 /// The same, with a pair that meets: which one of several is unspecified but always the same.
 [[nodiscard]] std::optional<TrianglePair> find_overlap(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a);
 
 /// Replaces `pairs` by all pairs of triangles that share a point, ascending.
-/// Cost: as above, and some 100 ns a pair. Allocates where `pairs` grows.
+/// Cost: about 1 us a pair, descending included, where surfaces cross; 4 us where they coincide, as each verdict then needs exact
+/// arithmetic. Allocates where `pairs` grows.
 void overlapping_pairs(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a, std::vector<TrianglePair>& pairs);
 
 }  // namespace carom

@@ -70,6 +70,9 @@ TEST(Chooser, EveryThresholdIsWhereThePageSays) {
     EXPECT_EQ(with([](SceneStatistics&) {}, UniformGrid), UniformGrid);
     EXPECT_EQ(with([](SceneStatistics& s) { s.count = 500; }, UniformGrid), BruteForce);
     EXPECT_EQ(with([](SceneStatistics& s) { s.count = 501; }, UniformGrid), UniformGrid);
+    EXPECT_EQ(with([](SceneStatistics& s) { s.count = 250, s.moving_share = 0.26; }, UniformGrid), BruteForce);
+    EXPECT_EQ(with([](SceneStatistics& s) { s.count = 251, s.moving_share = 0.26; }, UniformGrid), UniformGrid);
+    EXPECT_EQ(with([](SceneStatistics& s) { s.count = 500, s.moving_share = 0.24; }, UniformGrid), BruteForce);
     EXPECT_EQ(with([](SceneStatistics& s) { s.count = 625; }, BruteForce), BruteForce);
     EXPECT_EQ(with([](SceneStatistics& s) { s.count = 626; }, BruteForce), UniformGrid);
     EXPECT_EQ(with([](SceneStatistics& s) { s.line_density = 39.0; }, UniformGrid), SortedAxes);
@@ -102,7 +105,7 @@ TEST(Chooser, TakesTheMethodOfTheScene) {
 }
 
 TEST(Chooser, StaysWithWhatItHasNearAThreshold) {
-    SceneStatistics scene = measure_all(spread(550, 10, 0.5), 1.0);
+    SceneStatistics scene = measure_all(spread(275, 8, 0.5), 1.0);
     EXPECT_EQ(choose_method(scene, BroadphaseMethod::BruteForce).method, BroadphaseMethod::BruteForce);
     EXPECT_EQ(choose_method(scene, BroadphaseMethod::UniformGrid).method, BroadphaseMethod::UniformGrid);
     scene.count = 5000;
