@@ -136,31 +136,6 @@ void Broadphase::Impl::choose() {
     scene = now;
 }
 
-const char* to_string(BroadphaseMethod method) noexcept {
-    switch (method) {
-        case BroadphaseMethod::Automatic:
-            return "automatic";
-        case BroadphaseMethod::BruteForce:
-            return "brute_force";
-        case BroadphaseMethod::SweepAndPrune:
-            return "sweep_and_prune";
-        case BroadphaseMethod::SortedAxes:
-            return "sorted_axes";
-        case BroadphaseMethod::UniformGrid:
-            return "uniform_grid";
-        case BroadphaseMethod::HierarchicalGrid:
-            return "hierarchical_grid";
-        case BroadphaseMethod::DynamicTree:
-            return "dynamic_tree";
-    }
-    return "unknown";
-}
-
-bool is_valid(BroadphaseMethod method) noexcept {
-    return method == BroadphaseMethod::Automatic ||
-           std::find(std::begin(kBroadphaseMethods), std::end(kBroadphaseMethods), method) != std::end(kBroadphaseMethods);
-}
-
 const char* Broadphase::Impl::find_fault(const ProxyChanges& changes) {
     const std::size_t n = changes.bounds.size();
     if (n != changes.filters.size()) return "bounds and filters differ in size";
