@@ -3,6 +3,7 @@
 #include <carom/collision/detail/wide_pairs.hpp>
 #include <carom/collision/mesh_pairs.hpp>
 #include <carom/core/random.hpp>
+#include <carom/core/simd_width.hpp>
 #include <carom/scenes/bumpy.hpp>
 
 #include <support/exact_distance.hpp>
@@ -15,6 +16,8 @@
 #include <cmath>
 #include <limits>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace carom {
 namespace {
@@ -168,11 +171,14 @@ TEST(MeshPairs, AreThoseOfEveryTriangleWithEveryOther) {
     const MeshData ball = scenes::bumpy(6);  // 432 triangles
     std::size_t pairs = 0;
     int apart = 0;
+    const std::vector<int> widths = available_simd_widths();
     for (int n = 0; n < 40; ++n) {
+        set_simd_width(widths[static_cast<std::size_t>(n) % widths.size()]);
         const std::size_t found = compare(ball, ball, random_pose(random, 1.6), "pose " + std::to_string(n));
         pairs += found;
         apart += found == 0;
     }
+    set_simd_width(0);
     EXPECT_GT(pairs, 1000u);
     EXPECT_GT(apart, 0);
     EXPECT_LT(apart, 30);
