@@ -58,7 +58,7 @@ struct DebugLayer {
     std::string name{};       ///< unique in its frame; letters, digits, '_' and '-', since exported files are named after it
     bool visible = true;      ///< at first; a viewer may toggle it
     bool on_top = false;      ///< points and lines also shine through what hides them, fainter
-    bool hide_backs = false;  ///< triangles seen from behind are not drawn: the near wall of a pit does not hide what is in it
+    bool hide_backs = false;  ///< triangles seen from behind are not drawn: a sheet that faces away hides nothing
     float point_size = 7.0f;  ///< [pixels] > 0
     float line_width = 1.5f;  ///< [pixels] > 0
 
