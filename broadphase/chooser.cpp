@@ -13,6 +13,7 @@ namespace {
 constexpr std::size_t kSample = 1024;  // boxes that stand for all
 constexpr int kCoarse = 16;            // cells an axis of the coarse grid
 constexpr double kFewBoxes = 500.0, kFewMovingBoxes = 250.0;  // the latter where grids are built anew
+constexpr double kOneCrowd = 0.25;  // of the boxes
 constexpr double kClumped = 0.5;  // fill below this
 constexpr double kSparseLine = 40.0;
 constexpr double kFewMove = 0.15, kManyMove = 0.25;  // the grids are built anew from the latter on
@@ -150,6 +151,9 @@ MethodChoice choose_method(const SceneStatistics& s, BroadphaseMethod current) n
     const auto upper = [&](BroadphaseMethod method, double limit) { return current == method ? limit * kStay : limit; };
     const auto lower = [&](BroadphaseMethod method, double limit) { return current == method ? limit / kStay : limit; };
     if (is_few(s.count, s.moving_share, current)) return {BruteForce, "few boxes: testing every pair costs least"};
+    if (static_cast<double>(s.count) <= upper(BruteForce, kFewBoxes) && s.largest_crowd > kOneCrowd * static_cast<double>(s.count)) {
+        return {BruteForce, "few boxes, and most of them in one place: testing every pair costs least"};
+    }
     if (s.moving_share < upper(SortedAxes, kFewMove) && s.line_density < upper(SortedAxes, kSparseLine)) {
         return {SortedAxes, "few boxes side by side along every axis, of which few move: a mover passes few ends"};
     }

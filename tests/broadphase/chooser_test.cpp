@@ -104,6 +104,14 @@ TEST(Chooser, TakesTheMethodOfTheScene) {
     EXPECT_EQ(method(diagonal, 0.9), BroadphaseMethod::SweepAndPrune);
 }
 
+TEST(Chooser, TestsEveryPairOfAFewBoxesInOnePlace) {
+    const std::vector<FloatAabb> coincident(400, test::box_about(dvec3{1.0}, dvec3{0.5}));
+    EXPECT_EQ(choose_method(measure_all(coincident, 0.3), BroadphaseMethod::UniformGrid).method, BroadphaseMethod::BruteForce);
+    EXPECT_EQ(choose_method(measure_all(spread(400, 8, 0.5), 0.3), BroadphaseMethod::UniformGrid).method, BroadphaseMethod::UniformGrid);
+    const std::vector<FloatAabb> many(700, coincident[0]);
+    EXPECT_NE(choose_method(measure_all(many, 0.3), BroadphaseMethod::UniformGrid).method, BroadphaseMethod::BruteForce);
+}
+
 TEST(Chooser, StaysWithWhatItHasNearAThreshold) {
     SceneStatistics scene = measure_all(spread(275, 8, 0.5), 1.0);
     EXPECT_EQ(choose_method(scene, BroadphaseMethod::BruteForce).method, BroadphaseMethod::BruteForce);
