@@ -8,6 +8,8 @@
 #include <carom/broadphase/detail/grid_level.hpp>
 #include <carom/core/lanes.hpp>
 
+#include <carom/broadphase/detail/cell_lanes.hpp>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -69,9 +71,7 @@ void homes(const CellMap& map, std::span<const FloatAabb> boxes, std::span<const
     for (std::size_t i = 0; i < slots.size(); i += kLanes) {
         const Ints at = places_of(slots_at(slots, i));
         for (int k = 0; k < 3; ++k) {
-            const Floats corner = gather(floats + map.axes[k], at);
-            const Floats along = (corner - Floats{map.origin[k]}) * Floats{map.per_metre[k]};
-            store(truncate(max(min(along, Floats{map.last[k]}), Floats{0.0f})), c[k]);
+            store(WideMap(map, k).coordinate(gather(floats + map.axes[k], at)), c[k]);
         }
         const std::size_t count = std::min(slots.size() - i, static_cast<std::size_t>(kLanes));
         for (std::size_t k = 0; k < count; ++k) {

@@ -8,6 +8,7 @@
 #include <carom/broadphase/detail/grid_level.hpp>
 #include <carom/core/lanes.hpp>
 
+#include <carom/broadphase/detail/cell_lanes.hpp>
 #include <carom/broadphase/detail/scan.hpp>
 
 HWY_BEFORE_NAMESPACE();
@@ -151,17 +152,6 @@ HWY_INLINE void scan_own_row(const EntryView& e, std::size_t first, std::size_t 
         out.added(found);
     }
 }
-
-// CellMap's coordinates along an axis, to the bit.
-struct WideMap {
-    Floats origin, per_metre, last, reach;
-    HWY_INLINE WideMap(const CellMap& map, int k)
-        : origin(map.origin[k]), per_metre(map.per_metre[k]), last(map.last[k]), reach(map.reach[k]) {}
-    HWY_INLINE Ints coordinate(Floats x) const { return truncate(max(min((x - origin) * per_metre, last), Floats{0.0f})); }
-    HWY_INLINE Ints reaching(Floats lower) const {
-        return coordinate((lower - reach) - Floats{CellMap::kRounding} * (abs(lower) + reach));
-    }
-};
 
 // Up to this many boxes of a cell are looked at together: as many as a word has bits.
 constexpr std::size_t kBatch = 64;
