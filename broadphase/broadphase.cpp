@@ -9,6 +9,7 @@
 
 #include <algorithm>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace carom {
@@ -67,6 +68,11 @@ struct Broadphase::Impl {
     }
     [[nodiscard]] bool all_agree() const noexcept { return common_bits != 0; }
     void drop_unwanted(Executor& executor);
+    /// Whether looking up what ended for each changed slot costs less than looking through the list.
+    [[nodiscard]] bool few_changed() const noexcept {
+        constexpr std::size_t kPairsALook = 40;
+        return kPairsALook * (moved.size() + inserted.size() + removed.size()) < set.pairs().size();
+    }
     [[nodiscard]] bool find_begun(const detail::ChangeLists& lists, Executor& executor);
     void find_all(Executor& executor);
     /// The first pairs in order, up to the limit. @return the row that is cut off, or the number of slots.
@@ -89,6 +95,7 @@ struct Broadphase::Impl {
     detail::ProxyTable table;
     std::uint64_t common_bits = ~std::uint64_t{0};  // in every layer and every mask since the last clear
     std::vector<std::uint32_t> moved, inserted, removed;
+    bool filter_changed = false;  // of a slot that stays, or what the callback says of it
     detail::SlotBits changed;
     detail::PairPieces pieces;
     detail::PairSet set;
@@ -166,7 +173,8 @@ void Broadphase::Impl::take_moved(const ProxyChanges& changes, std::uint32_t slo
     const FloatAabb& box = changes.bounds[slot];
     const ProxyFilter& filter = changes.filters[slot];
     const bool is_new = table.alive[slot] == 0;
-    const bool same_filter = !is_new && table.filters[slot] == filter;
+    // What a callback says of a slot may change whenever the slot is listed.
+    const bool same_filter = !is_new && table.filters[slot] == filter && settings.callback.wanted == nullptr;
     if ((same_filter && table.boxes[slot] == box) || changed.test(slot)) return;
     changed.set(slot);
     table.previous[slot] = same_filter ? table.boxes[slot] : kNowhere;
@@ -175,6 +183,7 @@ void Broadphase::Impl::take_moved(const ProxyChanges& changes, std::uint32_t slo
         table.filters[slot] = filter;
         table.movable[slot] = filter.movable ? 1 : 0;
         common_bits &= filter.layer & filter.mask;
+        filter_changed |= !is_new;
     }
     if (is_new) {
         table.alive[slot] = 1;
@@ -195,9 +204,10 @@ void Broadphase::Impl::take_over(const ProxyChanges& changes) {
     }
     moved.clear();
     inserted.clear();
+    filter_changed = false;
     removed.assign(changes.removed.begin(), changes.removed.end());
     for (const std::uint32_t slot : removed) {
-        table.boxes[slot] = kNowhere;
+        table.previous[slot] = std::exchange(table.boxes[slot], kNowhere);
         table.alive[slot] = 0;
     }
     table.live_count -= removed.size();
@@ -231,7 +241,7 @@ bool Broadphase::Impl::find_begun(const detail::ChangeLists& lists, Executor& ex
     const bool check_wanted = !all_agree() || settings.callback.wanted != nullptr;
     const auto ask = [this](ProxyPair pair) { return wanted(pair); };
     const FunctionRef<bool(ProxyPair)> asked(ask);
-    return set.patch(pieces, changed, {table.boxes, check_wanted ? &asked : nullptr}, settings.pair_limit);
+    return set.patch(pieces, lists.want_ended ? method->ended() : nullptr, changed, {table.boxes, check_wanted ? &asked : nullptr}, settings.pair_limit);
 }
 
 void Broadphase::Impl::append_row(std::uint32_t a, std::vector<ProxyPair>& out) const {
@@ -301,7 +311,9 @@ const PairUpdate& Broadphase::update(const ProxyChanges& changes, Executor& exec
     CAROM_REQUIRE(fault == nullptr, ErrorCode::InvalidArgument, fault, w.result);
     w.take_over(changes);
     w.choose();
-    const detail::ChangeLists lists{w.moved, w.inserted, w.removed};
+    detail::ChangeLists lists{w.moved, w.inserted, w.removed};
+    // A method may know which pairs end because boxes part, but not which are no longer wanted.
+    lists.want_ended = !w.filter_changed && w.few_changed();
     if (!w.built || w.result.status != PairStatus::Complete || w.method->prefers_all(w.table, lists)) {
         w.find_all(executor);
     } else if (w.moved.empty() && w.inserted.empty() && w.removed.empty()) {

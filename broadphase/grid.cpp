@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <limits>
 
 namespace carom::detail {
 namespace {
@@ -30,6 +31,7 @@ public:
     }
     void find_all(const ProxyTable& table, Executor& executor, PairPieces& out) override;
     void find_moved(const ProxyTable& table, const ChangeLists& changes, Executor& executor, PairPieces& out) override;
+    [[nodiscard]] const PairPieces* ended() const noexcept override { return &ended_; }
     void visit_near(const ProxyTable& table, const FloatAabb& box, FunctionRef<bool(std::uint32_t)> visit) const override;
     void visit_where(const ProxyTable& table, FunctionRef<bool(const FloatAabb&)> touches,
                      FunctionRef<bool(std::uint32_t)> visit) const override {
@@ -67,8 +69,9 @@ private:
     std::vector<std::uint32_t> place_;  // of each slot, in its level
     std::vector<unsigned char> level_;  // of each slot
     std::vector<Piece> pieces_;
-    std::vector<Mover> movers_;        // level by level, in the order of their places
+    std::vector<Mover> movers_;        // level by level, in the order of their places; then those removed
     std::vector<std::uint64_t> bits_;  // one a place
+    PairPieces ended_;
     std::size_t debt_ = 0;             // entries read beyond need since the grid was built
 };
 
@@ -181,6 +184,10 @@ void Grid::list_movers(const ProxyTable& table, const ChangeLists& changes) {
             }
         }
     }
+    if (!changes.want_ended) return;
+    for (const std::uint32_t slot : changes.removed) {
+        movers_.push_back(mover(kNowhere, table.previous[slot], kXyz, slot | (table.movable[slot] != 0 ? 0 : kImmovable)));
+    }
 }
 
 void Grid::find_moved(const ProxyTable& table, const ChangeLists& changes, Executor& executor, PairPieces& out) {
@@ -193,17 +200,19 @@ void Grid::find_moved(const ProxyTable& table, const ChangeLists& changes, Execu
     list_movers(table, changes);
     const std::size_t pieces = (movers_.size() + kMoversAPiece - 1) / kMoversAPiece;
     out.begin(pieces, out.limit());
+    ended_.begin(changes.want_ended ? pieces : 0, std::numeric_limits<std::size_t>::max());  // no more than there were
     executor.parallel_for(pieces, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end && !out.is_full(); ++k) {
             const std::size_t first = k * kMoversAPiece;
             const std::span<const Mover> piece = std::span(movers_).subspan(first, std::min(kMoversAPiece, movers_.size() - first));
             for (std::size_t level = 0; level < level_count_; ++level) {
-                if (levels_[level].size() != 0) find_begun_in_level(levels_[level], piece, out[k]);
+                if (levels_[level].size() != 0) find_changed_in_level(levels_[level], piece, out[k], changes.want_ended ? &ended_[k] : nullptr);
             }
             out.found(out[k].size());
         }
     });
     for (const Mover& m : movers_) {
+        if (!(m.lower[0] <= m.upper[0])) break;  // the rest are gone
         const std::uint32_t slot = m.tag & kIndexMask;
         levels_[level_[slot]].mark(place_[slot], false);
     }
@@ -218,7 +227,7 @@ void Grid::visit_near(const ProxyTable& table, const FloatAabb& box, FunctionRef
 
 std::size_t Grid::memory() const noexcept {
     std::size_t sum = sizeof(std::uint32_t) * place_.capacity() + level_.capacity() + sizeof(Mover) * movers_.capacity() +
-                      sizeof(std::uint64_t) * bits_.capacity() + sizeof(Piece) * pieces_.capacity();
+                      sizeof(std::uint64_t) * bits_.capacity() + sizeof(Piece) * pieces_.capacity() + ended_.memory();
     for (const GridLevel& level : levels_) sum += level.memory();
     for (const std::vector<std::uint32_t>& slots : slots_) sum += sizeof(std::uint32_t) * slots.capacity();
     return sum;
