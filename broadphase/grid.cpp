@@ -6,6 +6,8 @@
 #include <carom/broadphase/detail/grid_level.hpp>
 #include <carom/broadphase/detail/method.hpp>
 
+#include <hwy/cache_control.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
@@ -71,6 +73,7 @@ private:
     std::vector<Piece> pieces_;
     std::vector<Mover> movers_;        // level by level, in the order of their places; then those removed
     std::vector<std::uint64_t> bits_;  // one a place
+    std::vector<Tag> tags_;            // of the movers
     PairPieces ended_;
     std::size_t debt_ = 0;             // entries read beyond need since the grid was built
 };
@@ -172,17 +175,25 @@ void Grid::list_movers(const ProxyTable& table, const ChangeLists& changes) {
             bits_[first_word[level_[slot]] + place_[slot] / 64] |= std::uint64_t{1} << (place_[slot] % 64);
         }
     }
-    movers_.clear();
+    tags_.clear();
     for (std::size_t k = 0; k < level_count_; ++k) {
         for (std::size_t word = first_word[k]; word < first_word[k + 1]; ++word) {
             for (std::uint64_t left = bits_[word]; left != 0; left &= left - 1) {
                 const std::size_t at = 64 * (word - first_word[k]) + static_cast<std::size_t>(std::countr_zero(left));
                 levels_[k].mark(at, true);
-                const Tag tag = static_cast<Tag>(levels_[k].entries.tag[at]);
-                const std::uint32_t slot = tag & kIndexMask;
-                movers_.push_back(mover(table.boxes[slot], table.previous[slot], kXyz, tag));
+                tags_.push_back(static_cast<Tag>(levels_[k].entries.tag[at]));
             }
         }
+    }
+    movers_.clear();
+    constexpr std::size_t kAhead = 12;  // slots are in another order
+    for (std::size_t i = 0; i < tags_.size(); ++i) {
+        if (i + kAhead < tags_.size()) {
+            hwy::Prefetch(&table.boxes[tags_[i + kAhead] & kIndexMask]);
+            hwy::Prefetch(&table.previous[tags_[i + kAhead] & kIndexMask]);
+        }
+        const std::uint32_t slot = tags_[i] & kIndexMask;
+        movers_.push_back(mover(table.boxes[slot], table.previous[slot], kXyz, tags_[i]));
     }
     if (!changes.want_ended) return;
     for (const std::uint32_t slot : changes.removed) {
@@ -227,7 +238,7 @@ void Grid::visit_near(const ProxyTable& table, const FloatAabb& box, FunctionRef
 
 std::size_t Grid::memory() const noexcept {
     std::size_t sum = sizeof(std::uint32_t) * place_.capacity() + level_.capacity() + sizeof(Mover) * movers_.capacity() +
-                      sizeof(std::uint64_t) * bits_.capacity() + sizeof(Piece) * pieces_.capacity() + ended_.memory();
+                      sizeof(std::uint64_t) * bits_.capacity() + sizeof(Tag) * tags_.capacity() + sizeof(Piece) * pieces_.capacity() + ended_.memory();
     for (const GridLevel& level : levels_) sum += level.memory();
     for (const std::vector<std::uint32_t>& slots : slots_) sum += sizeof(std::uint32_t) * slots.capacity();
     return sum;

@@ -62,11 +62,38 @@ void PairSet::index_rows(std::size_t slots) {
     }
 }
 
-// The place of the first pair that is not before `key`.
+// Rows that share a start are about equally long, so the place is near this one.
+std::size_t PairSet::guess_place(std::uint64_t key) const noexcept {
+    const std::size_t row = key >> 32, start = row_starts_[row / kRowsAStart], end = row_starts_[row / kRowsAStart + 1];
+    return start + (end - start) * (row % kRowsAStart) / kRowsAStart;
+}
+
+// The place of the first pair that is not before `key`: ever longer steps from the guess, then halving.
 std::size_t PairSet::place_of(std::uint64_t key) const noexcept {
     const std::size_t block = (key >> 32) / kRowsAStart;
-    const ProxyPair* const pairs = pairs_.data();
-    return static_cast<std::size_t>(std::lower_bound(pairs + row_starts_[block], pairs + row_starts_[block + 1], key, is_before) - pairs);
+    const ProxyPair *const pairs = pairs_.data(), *low = pairs + row_starts_[block], *high = pairs + row_starts_[block + 1];
+    const ProxyPair* at = pairs + guess_place(key);
+    std::ptrdiff_t step = 4;
+    if (at != high && is_before(*at, key)) {
+        low = at + 1;
+        for (; high - at > step && is_before(at[step], key); step *= 2) low = at + step + 1;
+        if (high - at > step) high = at + step;
+    } else {
+        high = at;
+        for (; at - low > step && !is_before(at[-step], key); step *= 2) high = at - step;
+        if (at - low > step) low = at - step + 1;
+    }
+    return static_cast<std::size_t>(std::lower_bound(low, high, key, is_before) - pairs);
+}
+
+// Calls use(key, place) for each candidate; where they are going to be looked for is asked for ahead.
+template <class F>
+void PairSet::for_places(F use) const {
+    constexpr std::size_t kAhead = 8;
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+        if (i + kAhead < candidates_.size()) hwy::Prefetch(pairs_.data() + guess_place(candidates_[i + kAhead]));
+        use(candidates_[i], place_of(candidates_[i]));
+    }
 }
 
 // Every pair with a changed slot is asked whether it stays.
@@ -99,12 +126,11 @@ void PairSet::look_up_ended(const PairPieces& ended, const SlotBits& changed, co
     });
     sort_candidates(ended);
     grow(ended_, candidates_.size());
-    for (const std::uint64_t key : candidates_) {
-        const std::size_t place = place_of(key);
-        if (place == count_ || key_of(pairs_[place]) != key) continue;  // was not wanted
+    for_places([&](std::uint64_t key, std::size_t place) {
+        if (place == count_ || key_of(pairs_[place]) != key) return;  // was not wanted
         ended_places_.push_back(static_cast<std::uint32_t>(place));
         ended_[ended_count_++] = pairs_[place];
-    }
+    });
 }
 
 void PairSet::look_up_begun(const PairPieces& found) {
@@ -112,12 +138,11 @@ void PairSet::look_up_begun(const PairPieces& found) {
     sort_candidates(found);
     grow(begun_store_, candidates_.size());
     begun_places_.clear();
-    for (const std::uint64_t key : candidates_) {
-        const std::size_t place = place_of(key);
-        if (place < count_ && key_of(pairs_[place]) == key) continue;  // overlaps now as before
+    for_places([&](std::uint64_t key, std::size_t place) {
+        if (place < count_ && key_of(pairs_[place]) == key) return;  // overlaps now as before
         begun_store_[begun_places_.size()] = pair_of(key);
         begun_places_.push_back(static_cast<std::uint32_t>(place));
-    }
+    });
 }
 
 // What comes between the pairs that end and begin moves as a whole: first the runs that move down, in order, then those that move up, the

@@ -98,7 +98,10 @@ private:
     void sort_candidates(const PairPieces& found);
     void index_rows(std::size_t slots);
     void shift_index();
+    [[nodiscard]] std::size_t guess_place(std::uint64_t key) const noexcept;
     [[nodiscard]] std::size_t place_of(std::uint64_t key) const noexcept;
+    template <class F>
+    void for_places(F use) const;
     void look_through(const SlotBits& changed, const Keep& keep);
     void look_up_ended(const PairPieces& ended, const SlotBits& changed, const Keep& keep);
     void look_up_begun(const PairPieces& found);
