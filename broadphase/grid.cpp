@@ -59,6 +59,7 @@ private:
         std::size_t level, first, last;
     };
     void build(const ProxyTable& table, Slack slack, Executor& executor);
+    void list_live(const ProxyTable& table);
     [[nodiscard]] std::size_t level_of(const FloatAabb& box) const noexcept;
     void take_over(const ProxyTable& table, const ChangeLists& changes);
     void list_movers(const ProxyTable& table, const ChangeLists& changes);
@@ -92,6 +93,17 @@ std::size_t Grid::level_of(const FloatAabb& box) const noexcept {
     return static_cast<std::size_t>(std::clamp(level, 0, static_cast<int>(kMostLevels) - 1));
 }
 
+void Grid::list_live(const ProxyTable& table) {
+    std::vector<std::uint32_t>& live = slots_[0];
+    live.resize(table.live_count);
+    std::size_t count = 0;
+    for (std::size_t slot = 0; slot < table.alive.size() && count < table.live_count; ++slot) {
+        live[count] = static_cast<std::uint32_t>(slot);
+        count += table.alive[slot];
+    }
+    std::fill(level_.begin(), level_.end(), static_cast<unsigned char>(0));
+}
+
 void Grid::build(const ProxyTable& table, Slack slack, Executor& executor) {
     const std::size_t n = table.boxes.size();
     place_.resize(n);
@@ -108,7 +120,8 @@ void Grid::build(const ProxyTable& table, Slack slack, Executor& executor) {
         smallest_ = middle - 1 - 2 * kMiddleLevel;  // the upper of its level's two exponents
     }
     for (std::size_t k = 0; k < level_count_; ++k) slots_[k].clear();
-    for (std::size_t slot = 0; slot < n; ++slot) {
+    if (!by_size_) list_live(table);
+    for (std::size_t slot = 0; by_size_ && slot < n; ++slot) {
         if (table.alive[slot] == 0) continue;
         level_[slot] = static_cast<unsigned char>(level_of(table.boxes[slot]));
         slots_[level_[slot]].push_back(static_cast<std::uint32_t>(slot));

@@ -5,12 +5,12 @@
 #pragma once
 
 #include <carom/broadphase/detail/pair_pieces.hpp>
+#include <carom/broadphase/detail/slot_bits.hpp>
 #include <carom/broadphase/proxy.hpp>
 #include <carom/core/executor.hpp>
 #include <carom/core/function_ref.hpp>
 #include <carom/core/radix_sort.hpp>
 
-#include <bit>
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -20,32 +20,6 @@ namespace carom::detail {
 
 /// @return the pair as a number that sorts like it.
 [[nodiscard]] inline std::uint64_t key_of(const ProxyPair& pair) noexcept { return (std::uint64_t{pair.a} << 32) | pair.b; }
-
-/// One bit a slot: which were changed.
-class SlotBits {
-public:
-    /// All zero, for slots below `count`.
-    void reset(std::size_t count) { words_.assign(count / 32 + 2, 0); }
-    void set(std::uint32_t slot) noexcept { words_[slot >> 5] |= std::int32_t(std::uint32_t{1} << (slot & 31u)); }
-    void clear(std::uint32_t slot) noexcept { words_[slot >> 5] &= ~std::int32_t(std::uint32_t{1} << (slot & 31u)); }
-    [[nodiscard]] bool test(std::uint32_t slot) const noexcept {
-        return ((static_cast<std::uint32_t>(words_[slot >> 5]) >> (slot & 31u)) & 1u) != 0;
-    }
-    /// Calls use(slot) for each slot that is set, ascending.
-    template <class F>
-    void for_each(F use) const {
-        for (std::size_t k = 0; k < words_.size(); ++k) {
-            for (auto left = static_cast<std::uint32_t>(words_[k]); left != 0; left &= left - 1) {
-                use(static_cast<std::uint32_t>(32 * k) + static_cast<std::uint32_t>(std::countr_zero(left)));
-            }
-        }
-    }
-    [[nodiscard]] const std::int32_t* words() const noexcept { return words_.data(); }
-    [[nodiscard]] std::size_t size() const noexcept { return words_.size(); }
-
-private:
-    std::vector<std::int32_t> words_;
-};
 
 /// Makes room for `size`, and a quarter more where there is none.
 template <class T>

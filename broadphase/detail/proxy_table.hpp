@@ -22,6 +22,19 @@ struct ProxyTable {
     std::vector<unsigned char> movable;  ///< 1 or 0, of live slots
     std::vector<unsigned char> alive;    ///< 1 or 0
     std::size_t live_count = 0;
+
+    void clear() noexcept {
+        boxes.clear();
+        previous.clear();
+        filters.clear();
+        movable.clear();
+        alive.clear();
+        live_count = 0;
+    }
+    [[nodiscard]] std::size_t memory() const noexcept {
+        return sizeof(FloatAabb) * (boxes.capacity() + previous.capacity()) + sizeof(ProxyFilter) * filters.capacity() + movable.capacity() +
+               alive.capacity();
+    }
 };
 
 /// Changes of one update, each slot in one list at most.
