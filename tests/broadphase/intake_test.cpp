@@ -39,12 +39,12 @@ protected:
         one_thread.update({boxes, filters, all, {}}, serial);
         three_threads.update({boxes, filters, all, {}}, scattering);
     }
-    // Each third slot moves; some of the others change filters.
+    // Each ninth slot moves, few enough to be searched for one by one; some change filters.
     std::vector<std::uint32_t> move_some() {
         std::vector<std::uint32_t> moved;
         for (std::uint32_t slot = 0; slot < kCount; ++slot) {
-            if (slot % 3 != 0) continue;
-            if (slot % 30 == 3) filters[slot].mask ^= 1;
+            if (slot % 9 != 0) continue;
+            if (slot % 90 == 9) filters[slot].mask ^= 1;
             const auto by = static_cast<float>(random.range(-0.5, 0.5));
             boxes[slot].lower += by;
             boxes[slot].upper += by;
