@@ -44,17 +44,7 @@ bool runs(Stage stage, const dynamics::StepChoices& choices, const WorldDef& def
 
 dynamics::StepChoices World::Impl::choose() const {
     if (def.plan == PlanMode::Everything) return {};
-    std::size_t bodies_with_shapes = 0;
-    bool any_dynamic = false;
-    bool any_bounce = false;
-    for (const BodyId id : body_order) {
-        const dynamics::BodyRecord& record = *bodies.find(id);
-        if (record.quarantined || record.shapes.empty()) continue;
-        ++bodies_with_shapes;
-        any_dynamic |= record.type == BodyType::Dynamic;
-        for (const ShapeId shape : record.shapes) any_bounce |= shapes.find(shape)->def.restitution > 0.0f;
-    }
-    return {bodies_with_shapes >= 2 && any_dynamic, any_bounce};
+    return {census.bodies >= 2 && census.dynamic_bodies > 0, census.bouncing_shapes > 0};
 }
 
 Plan World::plan() const {

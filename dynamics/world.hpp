@@ -126,8 +126,8 @@ public:
     [[nodiscard]] std::size_t contact_count() const noexcept;
     [[nodiscard]] ContactView contact(std::size_t index) const;
 
-    /// The bounds of the last step's bounded shapes and what keeps their pairs, for queries and pictures; its boxes are relative to
-    /// broadphase_origin().
+    /// The bounds of the last step's bounded shapes and what keeps their pairs, for queries and pictures. The slot of a box is
+    /// ShapeId::slot of its shape; boxes are relative to broadphase_origin().
     [[nodiscard]] const Broadphase& broadphase() const noexcept;
     [[nodiscard]] dvec3 broadphase_origin() const noexcept;
 
