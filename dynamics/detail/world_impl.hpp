@@ -91,6 +91,8 @@ struct World::Impl {
     void count_body(BodyId body, int sign);
     /// What the scene as it stands needs; all of it in PlanMode::Everything.
     [[nodiscard]] dynamics::StepChoices choose() const;
+    /// The broadphase's method and why; before the first step, what that will choose.
+    [[nodiscard]] BroadphasePlan plan_broadphase(double dt) const;
     /// Takes out every body whose state no step of `dt` can take on, at its last valid pose, at rest.
     void quarantine_unusable(double dt, StepReport& report);
 
