@@ -110,10 +110,7 @@ void Broadphase::Impl::choose() {
     updates_since_check = 0;
     count_at_check = table.live_count;
     const BroadphaseMethod current = first ? BroadphaseMethod::Automatic : in_use;  // nothing to stay with yet
-    const bool few = is_few(table.live_count, moving_share, current);  // then nothing else is looked at
-    const SceneStatistics now =
-        few ? SceneStatistics{.count = table.live_count, .moving_share = moving_share} : measure(table.boxes, table.alive, moving_share);
-    const MethodChoice best = choose_method(now, current);
+    const auto [best, now] = choose_for(table.boxes, table.alive, table.live_count, moving_share, current);
     // Two checks in a row must agree, but for scenes that have just changed size.
     const bool agreed = grown || wanted_before == best.method;
     wanted_before = best.method;

@@ -166,6 +166,14 @@ MethodChoice choose_method(const SceneStatistics& s, BroadphaseMethod current) n
     return {UniformGrid, "cells as large as the largest box hold few: one grid"};
 }
 
+SceneChoice choose_for(std::span<const FloatAabb> boxes, std::span<const unsigned char> alive, std::size_t live_count, double moving_share,
+                       BroadphaseMethod current) {
+    const bool few = is_few(live_count, moving_share, current);  // then nothing else is looked at
+    const SceneStatistics scene =
+        few ? SceneStatistics{.count = live_count, .moving_share = moving_share} : measure(boxes, alive, moving_share);
+    return {choose_method(scene, current), scene};
+}
+
 std::string describe(const MethodChoice& choice, const SceneStatistics& s) {
     char numbers[280];
     if (choice.method == BroadphaseMethod::BruteForce) {
@@ -173,7 +181,7 @@ std::string describe(const MethodChoice& choice, const SceneStatistics& s) {
         return numbers;
     }
     std::snprintf(numbers, sizeof numbers,
-                  "%s (%zu boxes, largest %.3g times the median size, %.3g in its reach, %.3g side by side, fill %.2f, %.0f %% moving)",
+                  "%s (%zu boxes, largest %.3g times the median size, %.4g in its reach, %.4g side by side, fill %.2f, %.0f %% moving)",
                   choice.reason, s.count, s.median_size > 0.0 ? s.largest_size / s.median_size : 1.0, s.largest_crowd, s.line_density,
                   s.fill, 100.0 * s.moving_share);
     return numbers;

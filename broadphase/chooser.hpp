@@ -42,6 +42,17 @@ struct MethodChoice {
 /// docs/broadphase.md has the thresholds and the measurements that they come from.
 [[nodiscard]] MethodChoice choose_method(const SceneStatistics& scene, BroadphaseMethod current) noexcept;
 
+/// What a look at the boxes leads to.
+struct SceneChoice {
+    MethodChoice choice;
+    SceneStatistics scene;  ///< of few boxes the number and the moving share only
+};
+
+/// Measures as much as the choice needs, and chooses. Broadphase takes the choice with a moving share of 1 and no current method at its
+/// first update.
+[[nodiscard]] SceneChoice choose_for(std::span<const FloatAabb> boxes, std::span<const unsigned char> alive, std::size_t live_count,
+                                     double moving_share, BroadphaseMethod current = BroadphaseMethod::Automatic);
+
 /// The choice in one sentence, with the numbers that decided it.
 [[nodiscard]] std::string describe(const MethodChoice& choice, const SceneStatistics& scene);
 

@@ -2,6 +2,7 @@
 #include <carom/cli/build_info.hpp>
 #include <carom/cli/cast_rays.hpp>
 #include <carom/cli/cast_target.hpp>
+#include <carom/cli/choice.hpp>
 #include <carom/cli/command.hpp>
 #include <carom/cli/make_executor.hpp>
 #include <carom/cli/progress.hpp>
@@ -21,7 +22,6 @@
 
 #include <charconv>
 #include <limits>
-#include <map>
 #include <memory>
 #include <optional>
 #include <string>
@@ -35,6 +35,7 @@ constexpr std::uint64_t kMostRays = 10'000'000'000;
 
 struct CastOptions {
     std::string target;
+    std::optional<int> bodies;
     CastSettings settings;
     int threads = 1;
     std::optional<std::string> json;
@@ -100,15 +101,18 @@ Json to_json(const CastTarget& target, const CastRecord& record, const CastOptio
             {"answer_hash", to_hex(record.answer_hash)}};
 }
 
+std::string counted(std::uint64_t n, const std::string& one, const std::string& many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
+std::string counted(std::uint64_t n, const std::string& one) { return counted(n, one, one + "s"); }
+
 std::string summary(const CastTarget& target, const CastRecord& record, const CastOptions& options) {
     const auto rays = static_cast<double>(options.settings.rays);
     std::string text = fmt::format("{}: ", target.name);
-    text += target.mesh ? fmt::format("{} triangles, {}, built in {:.1f} ms\n", target.mesh->data.triangles.size(),
+    text += target.mesh ? fmt::format("{}, {}, built in {:.1f} ms\n", counted(target.mesh->data.triangles.size(), "triangle"),
                                       target.mesh->closed ? "closed" : "open", target.mesh->build_s * 1e3)
-                        : fmt::format("{} bodies\n", target.scene->run.world.body_count());
-    text += fmt::format("rays          {} {}, seed {}, {} thread{}, SIMD width {}\n", options.settings.rays,
-                        options.settings.aim == Aim::Chords ? "chords" : "at edges and corners", options.settings.seed, options.threads,
-                        options.threads == 1 ? "" : "s", simd_width());
+                        : counted(target.scene->run.world.body_count(), "body", "bodies") + "\n";
+    text += fmt::format("rays          {} {}, seed {}, {}, SIMD width {}\n", options.settings.rays,
+                        options.settings.aim == Aim::Chords ? "along chords" : "at edges and corners", options.settings.seed,
+                        counted(static_cast<std::uint64_t>(options.threads), "thread"), simd_width());
     text += fmt::format("time          {:.3f} s, {:.3g} million rays a second\n", record.time_s, rays / record.time_s * 1e-6);
     text += fmt::format("hits          {}, {:.2f} %\n", record.hits, 100.0 * static_cast<double>(record.hits) / rays);
     text += fmt::format("leaks         {}\n", record.leaks ? fmt::to_string(*record.leaks) : "- (not a closed mesh)");
@@ -131,7 +135,7 @@ ExitCode run(const CastOptions& options) {
     if (!made) return fail(ExitCode::BadInput, made.error());
     SerialExecutor serial;
     Executor& executor = *made ? **made : serial;
-    const Result<CastTarget> target = load_target(options.target, executor);
+    const Result<CastTarget> target = load_target(options.target, options.bodies, executor);
     if (!target) return fail(ExitCode::BadInput, target.error());
     if (options.settings.aim == Aim::Edges && !target->mesh) {
         return fail(ExitCode::BadInput, {ErrorCode::InvalidArgument, "only meshes have edges to aim at", "--aim"});
@@ -158,7 +162,7 @@ ExitCode run(const CastOptions& options) {
         if (Status status = write_text("-", summary(*target, record, options)); !status) return fail(ExitCode::Failed, status.error());
     }
     if (record.leaks.value_or(0) == 0) return ExitCode::Ok;
-    return fail(ExitCode::Failed, {ErrorCode::InvalidArgument, fmt::format("{} rays leaked", *record.leaks), target->name});
+    return fail(ExitCode::Failed, {ErrorCode::InvalidArgument, counted(*record.leaks, "ray") + " leaked", target->name});
 }
 
 }  // namespace
@@ -167,17 +171,19 @@ void add_cast_command(CLI::App& app, Action& action) {
     auto options = std::make_shared<CastOptions>();
     CLI::App* command = app.add_subcommand("cast", "Casts rays at a mesh or a scene: speed, hits, leaks, and a picture.");
     command->add_option("TARGET", options->target, "a mesh, a mesh file (.obj .off .ply .stl .gltf .glb), a scene (see carom list) or a scene file (.json)")->required();
+    command->add_option("--bodies", options->bodies, "dynamic bodies of a scene that has a size")
+        ->check(whole_number(0, scenes::kMaxSceneBodies));
     command->add_option("--rays", options->settings.rays, "how many")->check(whole_number(1, kMostRays));
     command->add_option("--seed", options->settings.seed, "seed of the rays")
         ->check(whole_number(0, std::numeric_limits<std::uint64_t>::max()));
-    const std::map<std::string, Aim> aims{{"chords", Aim::Chords}, {"edges", Aim::Edges}};
-    command->add_option("--aim", options->settings.aim, "chords, or edges: at edges and corners of a mesh")
-        ->transform(CLI::CheckedTransformer(aims));
+    add_choice<Aim>(*command, "--aim", options->settings.aim, {{"chords", Aim::Chords}, {"edges", Aim::Edges}},
+                    "across the sphere round the target, or at edges and corners of a mesh");
     command->add_option("--threads", options->threads, "threads; answers do not depend on it")->check(whole_number(1, 256));
     command->add_option("--json", options->json, "write the report into this file; - prints it, and nothing else");
     CLI::Option* picture = command->add_option("--picture", options->picture, "draw what rays see into this PNG file");
-    const std::map<std::string, RayView> views{{"depth", RayView::Depth}, {"normal", RayView::Normal}, {"id", RayView::Id}};
-    command->add_option("--view", options->view, "depth, normal or id")->transform(CLI::CheckedTransformer(views))->needs(picture);
+    add_choice<RayView>(*command, "--view", options->view,
+                        {{"depth", RayView::Depth}, {"normal", RayView::Normal}, {"id", RayView::Id}}, "what the picture shows")
+        ->needs(picture);
     command->add_option("--size", options->size, "of the picture [pixels], WIDTHxHEIGHT")->needs(picture);
     command->callback([&action, options] { action = [options] { return run(*options); }; });
 }

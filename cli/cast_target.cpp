@@ -46,8 +46,9 @@ Result<CastTarget> mesh_target(const std::string& name, Result<MeshData> data, E
     return target;
 }
 
-Result<CastTarget> scene_target(const std::string& name, Executor& executor) {
+Result<CastTarget> scene_target(const std::string& name, std::optional<int> bodies, Executor& executor) {
     scenes::SceneOptions options;
+    options.bodies = bodies;
     options.world.executor = &executor;
     Result<scenes::SceneRun> run = is_path(name) ? scenes::read_scene(name, options) : scenes::make_scene(name, options);
     if (!run) return run.error();
@@ -73,14 +74,16 @@ DebugFrame frame_of(const MeshTarget& mesh, const Aabb& bounds) {
 
 }  // namespace
 
-Result<CastTarget> load_target(const std::string& name, Executor& executor) {
+Result<CastTarget> load_target(const std::string& name, std::optional<int> bodies, Executor& executor) {
     const auto named = [&](const auto& info) { return info.name == name; };
+    const bool mesh = std::ranges::any_of(scenes::mesh_catalogue(), named) || mesh_format(name);
+    if (mesh && bodies) return Error{ErrorCode::InvalidArgument, "only scenes have bodies", "--bodies"};
     if (std::ranges::any_of(scenes::mesh_catalogue(), named)) return mesh_target(name, scenes::make_mesh(name), executor);
     if (mesh_format(name)) {
         const Result<MeshData> data = read_mesh(name);
         return mesh_target(name, data ? Result<MeshData>(weld(*data)) : data, executor);
     }
-    if (is_path(name) || std::ranges::any_of(scenes::catalogue(), named)) return scene_target(name, executor);
+    if (is_path(name) || std::ranges::any_of(scenes::catalogue(), named)) return scene_target(name, bodies, executor);
     std::string meshes, scene_names;
     for (const scenes::MeshInfo& info : scenes::mesh_catalogue()) {
         meshes += (meshes.empty() ? "" : ", ") + info.name;

@@ -12,11 +12,12 @@ ExitCode plan(const SceneArguments& arguments) {
     Result<LoadedScene> scene = arguments.load();
     if (!scene) return fail(ExitCode::BadInput, scene.error());
     scene->run.before_step(0);
-    const Plan plan = scene->run.world.plan();
+    const Plan plan = scene->run.world.plan(scene->run.dt);
     fmt::print("{}: {} substeps a step\n\n", scene->run.name, plan.substeps);
     for (const PlanEntry& entry : plan.entries) {
         fmt::print("{:<12} {}\n", to_string(entry.stage), entry.reason);
     }
+    fmt::print("\nbroadphase   {}: {}\n", to_string(plan.broadphase.method), plan.broadphase.reason);
     if (!plan.settings.empty()) {
         fmt::print("\nsettings that change accuracy\n");
     }

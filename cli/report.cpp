@@ -26,6 +26,7 @@ Json plan_json(const Plan& plan) {
     }
     return {{"mode", plan.mode == PlanMode::Automatic ? "automatic" : "everything"},
             {"stages", stages},
+            {"broadphase", {{"method", to_string(plan.broadphase.method)}, {"reason", plan.broadphase.reason}}},
             {"settings", plan.settings}};
 }
 
@@ -109,6 +110,7 @@ std::string summary(const RunRecord& record) {
                            record.total_ms > 0.0 ? 100.0 * ms / record.total_ms : 0.0);
         }
     }
+    fmt::format_to(out, "broadphase    {}: {}\n", to_string(record.plan.broadphase.method), record.plan.broadphase.reason);
     const auto penetration = [&](const char* kind, const oracle::PenetrationSummary& end, double PeakPenetration::*peak) {
         fmt::format_to(out, "  {:<22} max {:.3g}  mean {:.3g}  over {} pairs", kind, end.maximum, end.mean, end.pairs);
         fmt::format_to(out, "{}\n", record.peak ? fmt::format("  peak of the run {:.3g}", (*record.peak).*peak) : "");

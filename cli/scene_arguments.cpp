@@ -1,5 +1,6 @@
 #include <carom/cli/scene_arguments.hpp>
 
+#include <carom/cli/choice.hpp>
 #include <carom/cli/make_executor.hpp>
 
 #include <carom/core/types.hpp>
@@ -28,6 +29,12 @@ Result<std::map<std::string, std::string>> key_values(const std::vector<std::str
         }
     }
     return out;
+}
+
+Choices<BroadphaseMethod> broadphase_choices() {
+    Choices<BroadphaseMethod> choices{{to_string(BroadphaseMethod::Automatic), BroadphaseMethod::Automatic}};
+    for (const BroadphaseMethod method : kBroadphaseMethods) choices.push_back({to_string(method), method});
+    return choices;
 }
 
 Error with_known_names(Error error, const SceneArguments& arguments) {
@@ -69,6 +76,7 @@ void SceneArguments::add_to(CLI::App& command) {
     command.add_option("--threads", threads, "threads; results do not depend on it")->check(whole_number(1, 256));
     command.add_option("--seed", seed, "seed of the scene's random stream")
         ->check(whole_number(0, std::numeric_limits<std::uint64_t>::max()));
+    add_choice(command, "--broadphase-method", broadphase, broadphase_choices(), "who finds the pairs; results do not depend on it");
     command.add_option("--set", set, "a parameter that the scene declares, KEY=VALUE; may be repeated")
         ->take_all()
         ->allow_extra_args(false);
@@ -92,6 +100,7 @@ Result<LoadedScene> SceneArguments::load() const {
     options.substeps = substeps;
     options.set = *settings;
     options.world.executor = executor->get();
+    options.world.broadphase = broadphase;
     Result<scenes::SceneRun> run = is_path(scene) ? scenes::read_scene(scene, options) : scenes::make_scene(scene, options);
     if (!run) return with_known_names(run.error(), *this);
     run->steps = steps.value_or(run->steps);

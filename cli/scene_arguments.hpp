@@ -30,6 +30,7 @@ struct SceneArguments {
     std::optional<double> dt;           ///< [s]
     std::optional<std::uint64_t> seed;
     std::vector<std::string> set;       ///< KEY=VALUE
+    BroadphaseMethod broadphase = BroadphaseMethod::Automatic;
     int threads = 1;
 
     void add_to(CLI::App& command);

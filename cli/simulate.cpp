@@ -120,7 +120,7 @@ void look_at_end(const scenes::SceneRun& run, RunRecord& record) {
     if (run.tunnelled) record.tunnelled = run.tunnelled(world);
     record.penetration = oracle::geometric_penetration(world);
     record.state_hash = world.state_hash();
-    record.plan = world.plan();
+    record.plan = world.plan(run.dt);
 }
 
 }  // namespace

@@ -1,8 +1,12 @@
 // The plan: what the next step runs and leaves out, and why.
 #include <carom/dynamics/plan.hpp>
 
+#include <carom/broadphase/chooser.hpp>
+#include <carom/core/check.hpp>
+#include <carom/dynamics/detail/integrator.hpp>
 #include <carom/dynamics/detail/world_impl.hpp>
 
+#include <algorithm>
 #include <cstdio>
 
 namespace carom {
@@ -44,20 +48,28 @@ bool runs(Stage stage, const dynamics::StepChoices& choices, const WorldDef& def
 
 dynamics::StepChoices World::Impl::choose() const {
     if (def.plan == PlanMode::Everything) return {};
-    std::size_t bodies_with_shapes = 0;
-    bool any_dynamic = false;
-    bool any_bounce = false;
-    for (const BodyId id : body_order) {
-        const dynamics::BodyRecord& record = *bodies.find(id);
-        if (record.quarantined || record.shapes.empty()) continue;
-        ++bodies_with_shapes;
-        any_dynamic |= record.type == BodyType::Dynamic;
-        for (const ShapeId shape : record.shapes) any_bounce |= shapes.find(shape)->def.restitution > 0.0f;
-    }
-    return {bodies_with_shapes >= 2 && any_dynamic, any_bounce};
+    return {census.bodies >= 2 && census.dynamic_bodies > 0, census.bouncing_shapes > 0};
 }
 
-Plan World::plan() const {
+BroadphasePlan World::Impl::plan_broadphase(double dt) const {
+    if (!choose().contacts) return {BroadphaseMethod::Automatic, "not used: no two shapes could meet"};
+    if (broadphase.method() != BroadphaseMethod::Automatic) return {broadphase.method(), broadphase.reason()};
+    // Nothing is chosen yet: look at the boxes that the first step would make.
+    dynamics::ProxySet next = proxies;
+    for (std::uint32_t slot = 0; slot < next.by_slot.size(); ++slot) {
+        if (!dynamics::is_usable(arrays.states[next.by_slot[slot].body], dt)) dynamics::drop_proxy(next, slot);
+    }
+    SerialExecutor alone;
+    dynamics::update_swept_bounds(next, arrays, {def.gravity, dt}, alone);
+    const auto count = static_cast<std::size_t>(std::count(next.listed.begin(), next.listed.end(), 1));
+    if (count == 0) return {BroadphaseMethod::Automatic, "not used: no shape has a box"};
+    const SceneChoice first = choose_for(next.boxes, next.listed, count, 1.0);
+    return {first.choice.method, describe(first.choice, first.scene)};
+}
+
+Plan World::plan(double dt) const {
+    CAROM_REQUIRE(is_finite(dt), ErrorCode::NotFinite, "dt must be finite", {});
+    CAROM_REQUIRE(dt >= 0.0, ErrorCode::InvalidArgument, "dt must not be negative", {});
     const WorldDef& def = impl_->def;
     const dynamics::StepChoices choices = impl_->choose();
     Plan plan;
@@ -67,7 +79,7 @@ Plan World::plan() const {
         const bool everything = def.plan == PlanMode::Everything;
         plan.entries.push_back({stage, runs(stage, choices, def), reason_for(stage, choices, def, everything)});
     }
-    plan.settings.push_back(std::string("broadphase: ") + to_string(impl_->broadphase.method()) + ": " + impl_->broadphase.reason());
+    plan.broadphase = impl_->plan_broadphase(dt);
     plan.settings.push_back(sentence("substeps: %.0f a step", def.substeps));
     plan.settings.push_back(sentence("contacts as springs of %.4g times the substep rate", def.contact_rate));
     plan.settings.push_back(sentence("damping ratio of contacts: %.4g", def.contact_damping));

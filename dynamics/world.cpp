@@ -115,11 +115,11 @@ BodyId World::create_body(const BodyDef& def) {
 void World::destroy_body(BodyId body) {
     const dynamics::BodyRecord* record = impl_->bodies.find(body);
     CAROM_REQUIRE(record != nullptr, ErrorCode::DeadId, "no such body");
+    if (!record->quarantined) impl_->take_out(body);
     for (const ShapeId shape : record->shapes) impl_->shapes.erase(shape);
     impl_->arrays.roles[body.slot] = Role::Absent;
     impl_->bodies.erase(body);
     std::erase(impl_->body_order, body);
-    impl_->proxies_stale = true;
 }
 
 ShapeId World::add_shape(BodyId body, Shape shape, const ShapeDef& def) {
@@ -149,7 +149,14 @@ ShapeId World::add_shape(BodyId body, Shape shape, const ShapeDef& def) {
     const ShapeId id = impl_->shapes.insert({body, std::move(shape), kept});
     record->shapes.push_back(id);
     if (mass) impl_->assign_mass(body, *mass);
-    impl_->proxies_stale = true;
+    if (record->quarantined) return id;
+    impl_->census.count_shape(impl_->shapes.find(id)->def.restitution, +1);
+    if (record->shapes.size() == 1) impl_->census.count_body(record->type, +1);
+    if (mass) {
+        impl_->put_proxies(body);  // the centre of mass is another
+    } else {
+        impl_->put_proxy(id);
+    }
     return id;
 }
 
@@ -167,7 +174,7 @@ void World::set_mass_properties(BodyId body, const MassProperties& mass) {
     CAROM_REQUIRE(glm::length(mass.center) <= kFarthest, ErrorCode::InvalidArgument, "the centre of mass is too far away");
     impl_->assign_mass(body, mass);
     impl_->arrays.masses[body.slot].given = true;
-    impl_->proxies_stale = true;
+    if (!record->quarantined) impl_->put_proxies(body);
 }
 
 MassProperties World::Impl::mass_with(const dynamics::BodyRecord& record, const MassProperties& added) const {
@@ -195,44 +202,41 @@ void World::Impl::assign_mass(BodyId body, const MassProperties& properties) {
     state.velocity += glm::cross(state.spin, state.pose.position - old_center);
 }
 
-void World::Impl::refresh_proxies() {
-    proxies.bounded.clear();
-    proxies.unbounded.clear();
-    proxies.filters.clear();
-    std::vector<ShapeId> ids;
-    for (const BodyId body : body_order) {
-        const dynamics::BodyRecord& record = *bodies.find(body);
-        if (!record.quarantined) ids.insert(ids.end(), record.shapes.begin(), record.shapes.end());
-    }
-    std::stable_sort(ids.begin(), ids.end());
-    for (const ShapeId id : ids) {
-        const dynamics::ShapeRecord& s = *shapes.find(id);
-        const std::uint32_t slot = s.body.slot;
-        dynamics::Proxy proxy;
-        proxy.id = id;
-        proxy.owner = s.body;
-        proxy.body = slot;
-        proxy.shape = &s.shape;
-        proxy.local = inverse(arrays.masses[slot].principal) * s.def.local;
-        proxy.reach = reach_of(s.shape, proxy.local);
-        // A mesh is a surface: the box round it says nothing of how far ahead contacts with it are wanted.
-        proxy.extent = type_of(s.shape) == ShapeType::TriangleMesh ? std::numeric_limits<double>::infinity()
-                                                                    : smallest_extent(s.shape);
-        proxy.friction = s.def.friction;
-        proxy.restitution = s.def.restitution;
-        proxy.filter = {s.def.layer, s.def.mask, arrays.roles[slot] == Role::Dynamic};
-        if (is_bounded(s.shape)) {
-            proxies.bounded.push_back(proxy);
-            proxies.filters.push_back(proxy.filter);
-        } else {
-            proxies.unbounded.push_back(proxy);
-        }
-    }
-    proxies.origin = dynamics::middle_of_motion(proxies, arrays);
-    proxies.static_boxes_stale = true;
-    broadphase.clear();  // the shapes are numbered anew
-    proxies_stale = false;
-    choices = choose();
+void World::Impl::put_proxy(ShapeId id) {
+    const dynamics::ShapeRecord& s = *shapes.find(id);
+    const std::uint32_t slot = s.body.slot;
+    dynamics::Proxy proxy;
+    proxy.id = id;
+    proxy.owner = s.body;
+    proxy.body = slot;
+    proxy.shape = s.shape;
+    proxy.local = inverse(arrays.masses[slot].principal) * s.def.local;
+    proxy.reach = reach_of(s.shape, proxy.local);
+    // A mesh is a surface: the box round it says nothing of how far ahead contacts with it are wanted.
+    proxy.extent = type_of(s.shape) == ShapeType::TriangleMesh ? std::numeric_limits<double>::infinity() : smallest_extent(s.shape);
+    proxy.friction = s.def.friction;
+    proxy.restitution = s.def.restitution;
+    dynamics::put_proxy(proxies, std::move(proxy), ProxyFilter{s.def.layer, s.def.mask, arrays.roles[slot] == Role::Dynamic});
+}
+
+void World::Impl::put_proxies(BodyId body) {
+    for (const ShapeId id : bodies.find(body)->shapes) put_proxy(id);
+}
+
+void World::Impl::put_in(BodyId body) {
+    put_proxies(body);
+    count_body(body, +1);
+}
+
+void World::Impl::take_out(BodyId body) {
+    for (const ShapeId id : bodies.find(body)->shapes) dynamics::drop_proxy(proxies, id.slot);
+    count_body(body, -1);
+}
+
+void World::Impl::count_body(BodyId body, int sign) {
+    const dynamics::BodyRecord& record = *bodies.find(body);
+    if (!record.shapes.empty()) census.count_body(record.type, sign);
+    for (const ShapeId id : record.shapes) census.count_shape(shapes.find(id)->def.restitution, sign);
 }
 
 }  // namespace carom

@@ -115,8 +115,9 @@ public:
     /// Advances by `dt` seconds. dt = 0 changes no bit; NaN, infinite or negative dt is refused. docs/step.md explains each stage.
     StepReport step(double dt);
 
-    /// What the next step will run and skip.
-    [[nodiscard]] Plan plan() const;
+    /// What the next step will run and skip, and who will find the pairs. @param dt its length [s], by which boxes go round the motion
+    /// that it predicts; before the first step the method follows from the boxes. Refused like that of step().
+    [[nodiscard]] Plan plan(double dt = 0.0) const;
     /// Hash of every body's pose and velocities, in order of creation.
     [[nodiscard]] std::uint64_t state_hash() const;
     [[nodiscard]] Energy energy() const;
@@ -126,8 +127,8 @@ public:
     [[nodiscard]] std::size_t contact_count() const noexcept;
     [[nodiscard]] ContactView contact(std::size_t index) const;
 
-    /// The bounds of the last step's bounded shapes and what keeps their pairs, for queries and pictures; its boxes are relative to
-    /// broadphase_origin().
+    /// The bounds of the last step's bounded shapes and what keeps their pairs, for queries and pictures. The slot of a box is
+    /// ShapeId::slot of its shape; boxes are relative to broadphase_origin().
     [[nodiscard]] const Broadphase& broadphase() const noexcept;
     [[nodiscard]] dvec3 broadphase_origin() const noexcept;
 

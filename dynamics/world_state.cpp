@@ -31,7 +31,8 @@ Pose World::Impl::body_pose(BodyId body) const {
 void World::Impl::place_body(BodyId body, const Pose& pose) {
     const Pose& principal = arrays.masses[body.slot].principal;
     arrays.states[body.slot].pose = principal == Pose{} ? pose : pose * principal;
-    proxies.static_boxes_stale |= arrays.roles[body.slot] == dynamics::Role::Static;
+    if (arrays.roles[body.slot] != dynamics::Role::Static) return;
+    for (const ShapeId shape : bodies.find(body)->shapes) proxies.stale[shape.slot] = 1;
 }
 
 BodyType World::type(BodyId body) const {
@@ -98,7 +99,7 @@ void World::release(BodyId body) {
     if (!record->quarantined) return;
     impl_->bodies.find(body)->quarantined = false;
     impl_->arrays.roles[body.slot] = dynamics::role_of(record->type);
-    impl_->proxies_stale = true;
+    impl_->put_in(body);
 }
 
 void World::set_pose(BodyId body, const Pose& pose) {

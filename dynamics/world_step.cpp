@@ -63,10 +63,10 @@ void World::Impl::quarantine_unusable(double dt, StepReport& report) {
         }
         // A body that was never valid has no pose to go back to but the origin.
         state = {last_valid[slot].id == id ? last_valid[slot].pose : Pose{}, dvec3{0.0}, dvec3{0.0}};
+        take_out(id);
         arrays.roles[slot] = Role::Absent;
         bodies.find(id)->quarantined = true;
         report.quarantined.push_back(id);
-        proxies_stale = true;
     }
 }
 
@@ -79,8 +79,7 @@ StepReport World::step(double dt) {
     Executor& executor = w.executor();
     dynamics::Step step(dt);
     step.run(Stage::Quarantine, [&] { w.quarantine_unusable(dt, step.report); });
-    if (w.proxies_stale) w.refresh_proxies();
-    const dynamics::StepChoices choices = w.choices;
+    const dynamics::StepChoices choices = w.choose();
     const dynamics::Motion motion{w.def.gravity, dt};
     const Balance before = w.def.report_balance ? balance_of(*this) : Balance{};
     std::swap(w.contacts, w.previous);
@@ -89,8 +88,10 @@ StepReport World::step(double dt) {
     if (choices.contacts) {
         step.run(Stage::Bounds, [&] { dynamics::update_swept_bounds(w.proxies, w.arrays, motion, executor); });
         step.run(Stage::Pairs, [&] {
-            const ProxyChanges changes{w.proxies.boxes, w.proxies.filters, w.proxies.moved, {}};
+            const ProxyChanges changes{w.proxies.boxes, w.proxies.filters, w.proxies.moved, w.proxies.removed};
             const PairUpdate& found = w.broadphase.update(changes, executor);
+            step.report.boxes_given = changes.moved.size();
+            step.report.boxes_removed = changes.removed.size();
             step.report.pairs_limited = found.status != PairStatus::Complete;
             dynamics::gather_pairs(w.proxies, w.arrays, found.pairs, dt, w.contacts.pairs);
         });

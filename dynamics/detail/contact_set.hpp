@@ -16,7 +16,7 @@ struct ContactPair {
     std::uint64_t key = 0;   ///< slots of the two shapes, and a bit that sorts planes after the rest
     ShapeId shape_a, shape_b;
     BodyId body_a, body_b;
-    std::uint32_t proxy_a = 0, proxy_b = 0;
+    std::uint32_t proxy_a = 0, proxy_b = 0;  ///< slots of the shapes
     std::uint32_t first_manifold = 0, manifold_count = 0;
 };
 

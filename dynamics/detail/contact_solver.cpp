@@ -52,7 +52,7 @@ void ContactSolver::assign_rows(const ContactSet& contacts, const ProxySet& prox
     for (const ContactPair& pair : contacts.pairs) {
         if (pair.manifold_count == 0) continue;
         for (const std::uint32_t proxy : {pair.proxy_a, pair.proxy_b}) {
-            const std::uint32_t slot = proxy_at(proxies, proxy).body;
+            const std::uint32_t slot = proxies.by_slot[proxy].body;
             if (bodies.roles[slot] != Role::Static) row_of_slot_[slot] = kTouched;
         }
     }
@@ -95,8 +95,8 @@ void ContactSolver::list_contact_rows(const ContactSet& contacts, const ProxySet
     const auto last = static_cast<std::int32_t>(slot_of_row_.size());
     for (std::uint32_t p = 0; p < contacts.pairs.size(); ++p) {
         const ContactPair& pair = contacts.pairs[p];
-        const std::int32_t a = row_of_slot_[proxy_at(proxies, pair.proxy_a).body];
-        const std::int32_t b = row_of_slot_[proxy_at(proxies, pair.proxy_b).body];
+        const std::int32_t a = row_of_slot_[proxies.by_slot[pair.proxy_a].body];
+        const std::int32_t b = row_of_slot_[proxies.by_slot[pair.proxy_b].body];
         for (std::uint32_t m = 0; m < pair.manifold_count; ++m) {
             contact_rows_[pair.first_manifold + m] = {a == kNoRow ? last : a, b == kNoRow ? last : b};
             pair_of_[pair.first_manifold + m] = p;
@@ -155,8 +155,8 @@ void ContactSolver::fill_bundle(ContactBundle& bundle, const ContactSet& contact
         const std::uint32_t m = bundle.manifold[lane];
         if (m == kUnusedLane) continue;
         const ContactPair& pair = contacts.pairs[pair_of_[m]];
-        const Proxy& a = proxy_at(proxies, pair.proxy_a);
-        const Proxy& b = proxy_at(proxies, pair.proxy_b);
+        const Proxy& a = proxies.by_slot[pair.proxy_a];
+        const Proxy& b = proxies.by_slot[pair.proxy_b];
         const Pose& pose_a = bodies.states[a.body].pose;
         const dvec3 origin = transform_point(pose_a, a.local.position);
         LaneInput in;

@@ -4,7 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <utility>
 
 namespace carom::dynamics {
 namespace {
@@ -19,7 +19,7 @@ double play(const Proxy& proxy, const BodyState& state, const Motion& motion) {
 }
 
 Aabb swept_box(const Proxy& proxy, const Pose& pose, const BodyState& state, const Motion& motion) {
-    const Aabb box = bounds(*proxy.shape, pose);
+    const Aabb box = bounds(proxy.shape, pose);
     const dvec3 path = state.velocity * motion.dt;
     const Aabb moved{box.lower + glm::min(path, dvec3{0.0}), box.upper + glm::max(path, dvec3{0.0})};
     return inflate(moved, play(proxy, state, motion));
@@ -27,13 +27,12 @@ Aabb swept_box(const Proxy& proxy, const Pose& pose, const BodyState& state, con
 
 std::uint64_t pack(std::uint32_t high, std::uint32_t low) { return (std::uint64_t{high} << 32) | low; }
 
-/// @param b  number of the second proxy: planes follow the bounded ones, and sort after them.
-ContactPair make_pair(const ProxySet& proxies, std::uint32_t a, std::uint32_t b) {
-    const Proxy& first = proxy_at(proxies, a);
-    const Proxy& second = proxy_at(proxies, b);
-    const std::uint32_t plane_bit = b < proxies.bounded.size() ? 0u : 0x80000000u;
+ContactPair make_pair(const ProxySet& set, std::uint32_t a, std::uint32_t b) {
+    const Proxy& first = set.by_slot[a];
+    const Proxy& second = set.by_slot[b];
+    const std::uint32_t plane_bit = set.kinds[b] == ProxyKind::Plane ? 0x80000000u : 0u;  // planes sort after the rest
     ContactPair pair;
-    pair.key = pack(first.id.slot, second.id.slot | plane_bit);
+    pair.key = pack(a, b | plane_bit);
     pair.shape_a = first.id;
     pair.shape_b = second.id;
     pair.body_a = first.owner;
@@ -48,98 +47,140 @@ bool filters_agree(const ProxyFilter& a, const ProxyFilter& b) {
 }
 
 /// Whether the box comes within `motion` of the half-space's surface: its corner that lies deepest.
-bool reaches(const ProxySet& proxies, const FloatAabb& box, const Pose& pose, const Plane& plane, double motion) {
+bool reaches(const dvec3& origin, const FloatAabb& box, const Pose& pose, const Plane& plane, double motion) {
     const dvec3 normal = rotate(pose.orientation, dvec3{plane.normal});
-    const dvec3 lower = proxies.origin + dvec3{box.lower};
-    const dvec3 upper = proxies.origin + dvec3{box.upper};
+    const dvec3 lower = origin + dvec3{box.lower};
+    const dvec3 upper = origin + dvec3{box.upper};
     const dvec3 corner{normal.x > 0.0 ? lower.x : upper.x, normal.y > 0.0 ? lower.y : upper.y,
                        normal.z > 0.0 ? lower.z : upper.z};
     return glm::dot(corner - pose.position, normal) <= static_cast<double>(plane.offset) + motion;
 }
 
+/// Chooses the origin where there is none, or where the dynamic bodies have gone far from it; then every box is stale.
+void keep_origin_near(ProxySet& set, const BodyArrays& bodies) {
+    Aabb dynamic, all;
+    bool any_listed = false;
+    for (std::size_t i = 0; i < set.by_slot.size(); ++i) {
+        any_listed |= set.listed[i] != 0;
+        if (set.kinds[i] != ProxyKind::Bounded) continue;
+        const Proxy& proxy = set.by_slot[i];
+        const dvec3& at = bodies.states[proxy.body].pose.position;
+        all = merge(all, {at - proxy.reach, at + proxy.reach});
+        if (bodies.roles[proxy.body] == Role::Dynamic) dynamic = merge(dynamic, {at, at});
+    }
+    const dvec3 middle = is_empty(dynamic) ? dvec3{0.0} : 0.5 * dynamic.lower + 0.5 * dynamic.upper;
+    if (any_listed && (is_empty(all) || glm::length(middle - set.origin) <= glm::length(all.upper - all.lower))) return;
+    set.origin = middle;
+    set.stale.assign(set.stale.size(), 1);
+}
+
+void list_changes(ProxySet& set, const BodyArrays& bodies) {
+    set.moved.clear();
+    set.removed.clear();
+    for (std::uint32_t i = 0; i < set.by_slot.size(); ++i) {
+        const bool bounded = set.kinds[i] == ProxyKind::Bounded;
+        if (bounded && (set.stale[i] != 0 || bodies.roles[set.by_slot[i].body] != Role::Static)) set.moved.push_back(i);
+        if (!bounded && set.listed[i] != 0) set.removed.push_back(i);
+        set.listed[i] = bounded ? 1 : 0;
+    }
+}
+
 }  // namespace
+
+void put_proxy(ProxySet& set, Proxy proxy, const ProxyFilter& filter) {
+    const std::uint32_t slot = proxy.id.slot;
+    drop_proxy(set, slot);
+    if (set.by_slot.size() <= slot) {
+        const std::size_t size = std::size_t{slot} + 1;
+        set.by_slot.resize(size);
+        set.kinds.resize(size, ProxyKind::None);
+        set.filters.resize(size);
+        set.boxes.resize(size);
+        set.poses.resize(size);
+        set.motion.resize(size, 0.0);
+        set.stale.resize(size, 0);
+        set.listed.resize(size, 0);
+    }
+    const bool bounded = is_bounded(proxy.shape);
+    if (!bounded) set.planes.insert(std::lower_bound(set.planes.begin(), set.planes.end(), slot), slot);
+    set.kinds[slot] = bounded ? ProxyKind::Bounded : ProxyKind::Plane;
+    set.filters[slot] = filter;
+    set.stale[slot] = 1;
+    set.by_slot[slot] = std::move(proxy);
+    set.changed = true;
+}
+
+void drop_proxy(ProxySet& set, std::uint32_t slot) {
+    if (slot >= set.by_slot.size() || set.kinds[slot] == ProxyKind::None) return;
+    if (set.kinds[slot] == ProxyKind::Plane) std::erase(set.planes, slot);
+    set.kinds[slot] = ProxyKind::None;
+    set.by_slot[slot] = Proxy{};
+    set.changed = true;
+}
 
 double plane_motion(const BodyState& plane, const dvec3& point, double reach, double dt) noexcept {
     const double turn = std::min(glm::length(plane.spin) * dt, 2.0);
     return glm::length(plane.velocity) * dt + turn * (glm::length(point - plane.pose.position) + reach);
 }
 
-dvec3 middle_of_motion(const ProxySet& proxies, const BodyArrays& bodies) {
-    Aabb box;
-    for (const Proxy& proxy : proxies.bounded) {
-        const dvec3& at = bodies.states[proxy.body].pose.position;
-        if (bodies.roles[proxy.body] == Role::Dynamic) box = merge(box, {at, at});
-    }
-    return is_empty(box) ? dvec3{0.0} : 0.5 * box.lower + 0.5 * box.upper;
-}
-
-void update_swept_bounds(ProxySet& proxies, const BodyArrays& bodies, const Motion& motion, Executor& executor) {
-    const std::size_t count = proxies.bounded.size();
-    proxies.boxes.resize(count);
-    proxies.motion.resize(count);
-    proxies.poses.resize(count);
-    proxies.moved.clear();
-    for (std::size_t i = 0; i < count; ++i) {
-        const bool stays = bodies.roles[proxies.bounded[i].body] == Role::Static && !proxies.static_boxes_stale;
-        if (!stays) proxies.moved.push_back(static_cast<std::uint32_t>(i));
-    }
-    executor.parallel_for(proxies.moved.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& motion, Executor& executor) {
+    if (set.changed) keep_origin_near(set, bodies);
+    set.changed = false;
+    list_changes(set, bodies);
+    executor.parallel_for(set.moved.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
-            const std::uint32_t i = proxies.moved[k];
-            const Proxy& proxy = proxies.bounded[i];
-            const Role role = bodies.roles[proxy.body];
+            const std::uint32_t i = set.moved[k];
+            const Proxy& proxy = set.by_slot[i];
+            const bool is_static = bodies.roles[proxy.body] == Role::Static;
             const BodyState& state = bodies.states[proxy.body];
-            proxies.poses[i] = state.pose * proxy.local;
-            proxies.boxes[i] = round_outward(swept_box(proxy, proxies.poses[i], state, motion), proxies.origin);
-            proxies.motion[i] = role == Role::Static
-                                    ? 0.0
-                                    : glm::length(state.velocity) * motion.dt + play(proxy, state, motion);
+            set.poses[i] = state.pose * proxy.local;
+            set.boxes[i] = round_outward(swept_box(proxy, set.poses[i], state, motion), set.origin);
+            set.motion[i] = is_static ? 0.0 : glm::length(state.velocity) * motion.dt + play(proxy, state, motion);
+            set.stale[i] = 0;
         }
     });
-    proxies.static_boxes_stale = false;
 }
 
-void gather_pairs(const ProxySet& proxies, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt,
+void gather_pairs(const ProxySet& set, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt,
                   std::vector<ContactPair>& pairs) {
-    const auto count = static_cast<std::uint32_t>(proxies.bounded.size());
     std::size_t next = 0;
     pairs.clear();
-    for (std::uint32_t i = 0; i < count; ++i) {
+    for (std::uint32_t i = 0; i < set.by_slot.size(); ++i) {
+        if (set.kinds[i] != ProxyKind::Bounded) continue;
+        const Proxy& proxy = set.by_slot[i];
         for (; next < found.size() && found[next].a == i; ++next) {
-            if (proxies.bounded[i].body == proxies.bounded[found[next].b].body) continue;
-            pairs.push_back(make_pair(proxies, i, found[next].b));
+            if (proxy.body != set.by_slot[found[next].b].body) pairs.push_back(make_pair(set, i, found[next].b));
         }
-        if (!proxies.filters[i].movable) continue;
-        for (std::uint32_t p = 0; p < proxies.unbounded.size(); ++p) {
-            const Proxy& plane = proxies.unbounded[p];
-            const Pose pose = bodies.states[plane.body].pose * plane.local;
-            if (!filters_agree(proxies.filters[i], plane.filter)) continue;
-            const Proxy& body = proxies.bounded[i];
-            const double motion = plane_motion(bodies.states[plane.body], bodies.states[body.body].pose.position, body.reach, dt);
-            if (!reaches(proxies, proxies.boxes[i], pose, std::get<Plane>(*plane.shape), motion)) continue;
-            pairs.push_back(make_pair(proxies, i, count + p));
+        if (!set.filters[i].movable) continue;
+        for (const std::uint32_t p : set.planes) {
+            const Proxy& plane = set.by_slot[p];
+            const BodyState& state = bodies.states[plane.body];
+            if (!filters_agree(set.filters[i], set.filters[p])) continue;
+            const double motion = plane_motion(state, bodies.states[proxy.body].pose.position, proxy.reach, dt);
+            if (!reaches(set.origin, set.boxes[i], state.pose * plane.local, std::get<Plane>(plane.shape), motion)) continue;
+            pairs.push_back(make_pair(set, i, p));
         }
     }
 }
 
-void list_shape_pairs(const ProxySet& proxies, const BodyArrays& bodies, std::span<const ContactPair> pairs, double dt,
+void list_shape_pairs(const ProxySet& set, const BodyArrays& bodies, std::span<const ContactPair> pairs, double dt,
                       Executor& executor, std::vector<ShapePair>& out) {
     out.resize(pairs.size());
     executor.parallel_for(pairs.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            const Proxy& a = proxy_at(proxies, pairs[i].proxy_a);
-            const Proxy& b = proxy_at(proxies, pairs[i].proxy_b);
+            const std::uint32_t slot_a = pairs[i].proxy_a, slot_b = pairs[i].proxy_b;
+            const Proxy& a = set.by_slot[slot_a];
+            const Proxy& b = set.by_slot[slot_b];
             // B may be a plane, which has neither box nor motion of its own here.
-            const bool b_bounded = pairs[i].proxy_b < proxies.bounded.size();
+            const bool b_bounded = set.kinds[slot_b] == ProxyKind::Bounded;
             const BodyState& state_b = bodies.states[b.body];
-            const double motion_b = b_bounded
-                                        ? proxies.motion[pairs[i].proxy_b]
-                                        : plane_motion(state_b, bodies.states[a.body].pose.position, a.reach, dt);
-            const double closing = proxies.motion[pairs[i].proxy_a] + motion_b;
-            out[i].a = a.shape;
-            out[i].b = b.shape;
-            out[i].pose_a = proxies.poses[pairs[i].proxy_a];
-            out[i].pose_b = b_bounded ? proxies.poses[pairs[i].proxy_b] : state_b.pose * b.local;
+            const double motion_b =
+                b_bounded ? set.motion[slot_b] : plane_motion(state_b, bodies.states[a.body].pose.position, a.reach, dt);
+            const double closing = set.motion[slot_a] + motion_b;
+            out[i].a = &a.shape;
+            out[i].b = &b.shape;
+            out[i].pose_a = set.poses[slot_a];
+            out[i].pose_b = b_bounded ? set.poses[slot_b] : state_b.pose * b.local;
             out[i].margin = static_cast<float>(std::min(closing, kMarginShare * std::min(a.extent, b.extent)));
         }
     });

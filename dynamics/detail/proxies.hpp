@@ -1,4 +1,8 @@
-// Shapes as the step sees them: one entry a shape, in the order of the shapes' slots.
+// Shapes as the step sees them. A proxy's number is its shape's slot, so one that comes, goes or changes touches no other.
+//
+//   put_proxy(proxies, proxy, filter);  drop_proxy(proxies, slot);
+//   update_swept_bounds(proxies, bodies, motion, executor);
+//   broadphase.update({proxies.boxes, proxies.filters, proxies.moved, proxies.removed}, executor);
 #pragma once
 
 #include <carom/broadphase/broadphase.hpp>
@@ -29,15 +33,14 @@ enum class Role : unsigned char { Absent, Static, Kinematic, Dynamic };
 }
 
 struct Proxy {
-    ShapeId id;
+    ShapeId id;                    ///< null: the slot is free
     BodyId owner;
     std::uint32_t body = 0;        ///< slot of the owner
-    const Shape* shape = nullptr;
+    Shape shape;                   ///< a copy, which stays valid whatever comes and goes; what is large in it is shared
     Pose local{};                  ///< of the shape in its body's principal frame
     double reach = 0.0;            ///< farthest point from the centre of mass [m]
     double extent = 0.0;           ///< smallest extent of the shape [m]
     float friction = 0.0f, restitution = 0.0f;
-    ProxyFilter filter;            ///< movable: of a dynamic body
 };
 
 /// Bodies of a step, all indexed by slot.
@@ -47,17 +50,30 @@ struct BodyArrays {
     std::vector<Role> roles;
 };
 
+/// What stands at a slot.
+enum class ProxyKind : unsigned char { None, Bounded, Plane };
+
+/// All vectors but `planes`, `moved` and `removed` go by slot, and of one size.
 struct ProxySet {
-    std::vector<Proxy> bounded;       ///< boxes in the broadphase
-    std::vector<Proxy> unbounded;     ///< planes: the side list
-    std::vector<FloatAabb> boxes;     ///< of `bounded`, over the predicted motion, relative to `origin`
-    std::vector<ProxyFilter> filters; ///< of `bounded`
-    std::vector<std::uint32_t> moved; ///< of `bounded`, those whose boxes were made anew
-    std::vector<Pose> poses;          ///< of `bounded`, in the world
-    std::vector<double> motion;       ///< of `bounded`: how far any point may move in the step [m]
-    dvec3 origin{0.0};                ///< of the boxes
-    bool static_boxes_stale = true;   ///< static bodies' boxes must be made anew
+    std::vector<Proxy> by_slot;
+    std::vector<ProxyKind> kinds;
+    std::vector<ProxyFilter> filters;     ///< movable: of a dynamic body
+    std::vector<FloatAabb> boxes;         ///< of bounded proxies, over the predicted motion, relative to `origin`
+    std::vector<Pose> poses;              ///< of bounded proxies, in the world
+    std::vector<double> motion;           ///< of bounded proxies: how far any point may move in the step [m]
+    std::vector<unsigned char> stale;     ///< 1: the box must be made anew although the body is static
+    std::vector<unsigned char> listed;    ///< 1: the broadphase has a box of this slot
+    std::vector<std::uint32_t> planes;    ///< slots of the unbounded ones, ascending: the side list
+    std::vector<std::uint32_t> moved;     ///< slots whose boxes the last update made anew, ascending
+    std::vector<std::uint32_t> removed;   ///< slots that the broadphase has to let go
+    dvec3 origin{0.0};                    ///< of the boxes
+    bool changed = false;                 ///< proxies came or went since the last update
 };
+
+/// Puts a proxy at its shape's slot, in place of what is there. Amortised O(1), but for planes, which are kept sorted.
+void put_proxy(ProxySet& set, Proxy proxy, const ProxyFilter& filter);
+/// Frees a slot; nothing where it is free.
+void drop_proxy(ProxySet& set, std::uint32_t slot);
 
 /// Predicted motion of a step.
 struct Motion {
@@ -66,27 +82,23 @@ struct Motion {
 };
 
 /// Boxes around the predicted motion: v dt along the velocity, |g| dt² + r min(|w| dt, 2) all round.
-/// Fills in boxes, poses, motion and moved.
-void update_swept_bounds(ProxySet& proxies, const BodyArrays& bodies, const Motion& motion, Executor& executor);
-
-/// @return the middle of the dynamic shapes: the origin about which float boxes lose least.
-[[nodiscard]] dvec3 middle_of_motion(const ProxySet& proxies, const BodyArrays& bodies);
+/// Fills in boxes, poses, motion, moved and removed: the boxes of what moves, came or was changed, and no others.
+///
+/// The origin is the middle of the dynamic bodies, about which float boxes lose least. It is chosen anew, and every box with it, only
+/// when something came or went and the middle has left the origin by more than the size of the whole scene: until then floats round as
+/// they would for a scene twice as large.
+void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& motion, Executor& executor);
 
 /// @return how far a plane's surface may come towards a body about `point` in the step, by its own motion [m].
 [[nodiscard]] double plane_motion(const BodyState& plane, const dvec3& point, double reach, double dt) noexcept;
 
 /// Joins the broadphase's pairs, sorted by (a, b), and the pairs with planes into one list, sorted by key.
-void gather_pairs(const ProxySet& proxies, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt,
+void gather_pairs(const ProxySet& set, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt,
                   std::vector<ContactPair>& pairs);
 
 /// Lists the pairs with poses and margins for the narrowphase. The margin is how far the two may close in the step, at most a
 /// quarter of the smaller shape's smallest extent: contacts predicted from farther away would stop bodies that only pass by.
-void list_shape_pairs(const ProxySet& proxies, const BodyArrays& bodies, std::span<const ContactPair> pairs, double dt,
+void list_shape_pairs(const ProxySet& set, const BodyArrays& bodies, std::span<const ContactPair> pairs, double dt,
                       Executor& executor, std::vector<ShapePair>& out);
-
-/// @return proxy `index` of a pair: planes are numbered after the bounded ones.
-[[nodiscard]] inline const Proxy& proxy_at(const ProxySet& proxies, std::uint32_t index) noexcept {
-    return index < proxies.bounded.size() ? proxies.bounded[index] : proxies.unbounded[index - proxies.bounded.size()];
-}
 
 }  // namespace carom::dynamics

@@ -36,6 +36,23 @@ struct ValidPose {
     Pose pose;
 };
 
+/// What takes part in the simulation: bodies with shapes, and what those are.
+struct Census {
+    int bodies = 0;
+    int dynamic_bodies = 0;
+    int bouncing_shapes = 0;
+
+    /// A body with shapes comes (sign +1) or goes (-1).
+    void count_body(BodyType type, int sign) noexcept {
+        bodies += sign;
+        if (type == BodyType::Dynamic) dynamic_bodies += sign;
+    }
+    /// One of its shapes does.
+    void count_shape(float restitution, int sign) noexcept {
+        if (restitution > 0.0f) bouncing_shapes += sign;
+    }
+};
+
 /// Which work the scene needs at all.
 struct StepChoices {
     bool contacts = true;     ///< two shapes exist that could meet: Bounds to Relax, and Store
@@ -64,10 +81,18 @@ struct World::Impl {
     [[nodiscard]] MassProperties mass_with(const dynamics::BodyRecord& record, const MassProperties& added) const;
     /// Sets the mass and keeps the origin and the motion of the body's points where they are.
     void assign_mass(BodyId body, const MassProperties& mass);
-    /// Lists shapes anew after bodies or shapes came or went.
-    void refresh_proxies();
+    /// Makes the proxy of a shape, or makes it anew.
+    void put_proxy(ShapeId id);
+    /// The same for all shapes of a body.
+    void put_proxies(BodyId body);
+    /// Lets a body that has its role take part, or no longer: its proxies come or go, and no others.
+    void put_in(BodyId body);
+    void take_out(BodyId body);
+    void count_body(BodyId body, int sign);
     /// What the scene as it stands needs; all of it in PlanMode::Everything.
     [[nodiscard]] dynamics::StepChoices choose() const;
+    /// The broadphase's method and why; before the first step, what that will choose.
+    [[nodiscard]] BroadphasePlan plan_broadphase(double dt) const;
     /// Takes out every body whose state no step of `dt` can take on, at its last valid pose, at rest.
     void quarantine_unusable(double dt, StepReport& report);
 
@@ -79,8 +104,7 @@ struct World::Impl {
     dynamics::BodyArrays arrays;
     SlotMap<dynamics::ShapeRecord, ShapeId> shapes;
 
-    bool proxies_stale = true;
-    dynamics::StepChoices choices;  // of the next step; valid while proxies are not stale
+    dynamics::Census census;
     dynamics::ProxySet proxies;
     Broadphase broadphase;
     std::vector<ShapePair> shape_pairs;

@@ -144,9 +144,24 @@ TEST(Cli, PlanHasALineForEachStage) {
     }
 }
 
+TEST(Cli, PlanAndReportNameTheBroadphaseAndWhy) {
+    const std::vector<std::string> plan{"plan", "pile_boxes", "--bodies", "2000"};
+    EXPECT_NE(carom(plan).out.find("\nbroadphase   hierarchical_grid: "), std::string::npos) << carom(plan).out;
+    std::vector<std::string> asked = plan;
+    asked.insert(asked.end(), {"--broadphase-method", "dynamic_tree"});
+    EXPECT_NE(carom(asked).out.find("\nbroadphase   dynamic_tree: asked for"), std::string::npos) << carom(asked).out;
+    expect_refused({"plan", "pile_boxes", "--broadphase-method", "magic"}, {"--broadphase-method", "magic", "automatic", "sweep_and_prune"});
+    expect_refused({"run", "pile_boxes", "--broadphase-method", "0"}, {"--broadphase-method", "\"0\"", "brute_force"});
+}
+
 TEST(Cli, HelpAndVersionAreNoErrors) {
     EXPECT_EQ(carom({"--help"}).code, kOk);
-    EXPECT_EQ(carom({"run", "--help"}).code, kOk);
+    for (const char* command : {"list", "plan", "run", "cast", "accuracy"}) {
+        const Outcome help = carom({command, "--help"});
+        EXPECT_EQ(help.code, kOk);
+        for (const char* noise : {"{", "ENUM", "->"}) EXPECT_EQ(help.out.find(noise), std::string::npos) << help.out;
+    }
+    EXPECT_NE(carom({"run", "--help"}).out.find("|sorted_axes|"), std::string::npos);
     EXPECT_EQ(carom({"--version"}).code, kOk);
 }
 
@@ -229,6 +244,19 @@ TEST(Cli, TheSameRunHasTheSameHash) {
         std::vector<std::string> threads = run;
         threads.insert(threads.end(), {"--threads", "2"});
         EXPECT_EQ(report(threads).at("state_hash"), hash);
+    }
+}
+
+TEST(Cli, TheBroadphaseChangesNoResult) {
+    std::vector<std::string> run{"run", "pile_mixed", "--bodies", "60", "--steps", "20", "--peak-every", "0", "--broadphase-method", "automatic"};
+    const std::string hash = report(run).at("state_hash");
+    EXPECT_EQ(report(run).at("plan").at("broadphase").at("method"), "brute_force");
+    EXPECT_NE(report(run).at("plan").at("broadphase").at("reason").get<std::string>().find("few boxes"), std::string::npos);
+    for (const char* method : {"sweep_and_prune", "sorted_axes", "uniform_grid", "hierarchical_grid", "dynamic_tree"}) {
+        run.back() = method;
+        const Json json = report(run);
+        EXPECT_EQ(json.at("plan").at("broadphase").at("method"), method);
+        EXPECT_EQ(json.at("state_hash"), hash) << method;
     }
 }
 

@@ -138,7 +138,11 @@ TEST(Cast, BadInputIsNamed) {
     expect_refused({"cast", "teapot", "--rays", "1e6"}, {"--rays", "1e6"});
     expect_refused({"cast", "teapot", "--seed", "-1"}, {"--seed"});
     expect_refused({"cast", "teapot", "--threads", "0"}, {"--threads"});
-    expect_refused({"cast", "teapot", "--aim", "moon"}, {"--aim", "moon"});
+    expect_refused({"cast", "teapot", "--aim", "moon"}, {"--aim", "moon", "chords, edges"});
+    expect_refused({"cast", "teapot", "--bodies", "5"}, {"--bodies", "scenes"});
+    expect_refused({"cast", "pile_boxes", "--bodies", "-5"}, {"--bodies", "-5"});
+    expect_refused({"cast", "single_body_spin", "--bodies", "5"}, {"bodies"});
+    expect_refused({"cast", folder.write("one.json", R"({"bodies": []})"), "--bodies", "5"}, {"bodies"});
     expect_refused({"cast", "tall_stack", "--aim", "edges"}, {"--aim", "mesh"});
     expect_refused({"cast", "teapot", "--view", "id"}, {"--picture"});
     expect_refused({"cast", "teapot", "--size", "10x10"}, {"--picture"});
@@ -229,6 +233,17 @@ TEST(Cast, OpenMeshesAndScenesHaveNoLeaks) {
     EXPECT_TRUE(scene.at("build_s").is_null());
     EXPECT_EQ(scene.at("bodies"), 31);
     EXPECT_GT(scene.at("hits"), 0);
+}
+
+TEST(Cast, ScenesAreCastAtInTheSizeAskedFor) {
+    EXPECT_EQ(report({"cast", "tall_stack", "--rays", "100", "--bodies", "4"}).at("bodies"), 5) << "the ground is a body";
+}
+
+TEST(Cast, OneIsNotMany) {
+    const TemporaryFolder folder;
+    const std::string one = folder.write("one.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n");
+    EXPECT_NE(carom({"cast", one, "--rays", "100"}).out.find(": 1 triangle, open"), std::string::npos);
+    EXPECT_NE(carom({"cast", "teapot", "--rays", "100"}).out.find(" triangles, open"), std::string::npos);
 }
 
 TEST(Cast, AnswersDependOnTheSeedAndNotOnThreads) {

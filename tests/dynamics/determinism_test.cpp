@@ -2,6 +2,7 @@
 // allocation once warm.
 #include <carom/dynamics/world.hpp>
 
+#include <carom/core/check.hpp>
 #include <carom/core/math.hpp>
 #include <carom/core/random.hpp>
 #include <carom/core/simd_width.hpp>
@@ -10,6 +11,7 @@
 #include <support/count_allocations.hpp>
 
 #include <atomic>
+#include <limits>
 #include <thread>
 #include <vector>
 
@@ -124,6 +126,47 @@ TEST(Plan, SaysWhatIsSkippedAndWhy) {
     }
     world.add_shape(world.create_body({.type = BodyType::Static}), Plane{}, {.restitution = 0.5f});
     for (const PlanEntry& e : world.plan().entries) EXPECT_TRUE(e.run) << to_string(e.stage);
+}
+
+TEST(Plan, NamesTheBroadphaseThatTheFirstStepWillChoose) {
+    for (const int bodies : {20, 600, 3000}) {
+        for (const double gap : {1.1, 20.0}) {
+            World world;
+            for (int i = 0; i < bodies; ++i) {
+                const BodyId body = world.create_body({.position = {gap * (i % 20), gap * (i / 400), gap * (i / 20 % 20)},
+                                                       .linear_velocity = {i % 3 == 0 ? 90.0 : 0.0, 0, 0}});
+                world.add_shape(body, Box{{0.5f, i % 50 == 0 ? 8.0f : 0.5f, 0.5f}});
+            }
+            const std::uint64_t hash = world.state_hash();
+            const Plan before = world.plan(1.0 / 60.0);
+            EXPECT_EQ(world.state_hash(), hash);
+            world.step(1.0 / 60.0);
+            const Plan after = world.plan(1.0 / 60.0);
+            EXPECT_EQ(before.broadphase.method, after.broadphase.method) << bodies;
+            EXPECT_EQ(before.broadphase.reason, after.broadphase.reason) << bodies;
+            EXPECT_EQ(before.broadphase.method == BroadphaseMethod::BruteForce, bodies == 20);
+        }
+    }
+}
+
+TEST(Plan, SaysWhyThereIsNoBroadphaseOrWhoAskedForIt) {
+    World empty;
+    EXPECT_EQ(empty.plan().broadphase.method, BroadphaseMethod::Automatic);
+    EXPECT_NE(empty.plan().broadphase.reason.find("not used"), std::string::npos);
+
+    World asked({.broadphase = BroadphaseMethod::DynamicTree});
+    asked.add_shape(asked.create_body(), Sphere{});
+    asked.add_shape(asked.create_body(), Sphere{});
+    EXPECT_EQ(asked.plan().broadphase.method, BroadphaseMethod::DynamicTree);
+    EXPECT_EQ(asked.plan().broadphase.reason, "asked for");
+    EXPECT_THROW((void)asked.plan(-1.0), MisuseError);
+    EXPECT_THROW((void)asked.plan(std::numeric_limits<double>::quiet_NaN()), MisuseError);
+
+    // What the first step would quarantine has no box to choose by.
+    World wild;
+    wild.add_shape(wild.create_body({.linear_velocity = {1e300, 0, 0}}), Sphere{});
+    wild.add_shape(wild.create_body({.linear_velocity = {1e300, 0, 0}}), Sphere{});
+    EXPECT_NE(wild.plan(1.0).broadphase.reason.find("no shape has a box"), std::string::npos);
 }
 
 TEST(Step, AllocatesNothingOnceWarm) {
