@@ -57,7 +57,7 @@ ContactView World::contact(std::size_t index) const {
     view.shape_b = pair.shape_b;
     view.body_a = pair.body_a;
     view.body_b = pair.body_b;
-    view.origin = impl_->shape_pairs[manifold.pair].pose_a.position;
+    view.origin = impl_->proxies.poses[pair.proxy_a].position;
     view.manifold = &manifold;
     for (std::size_t k = 0; k < manifold.count; ++k) view.normal_impulse[k] = impl_->contacts.impulses[index][k].normal;
     return view;

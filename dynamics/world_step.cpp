@@ -97,7 +97,8 @@ StepReport World::step(double dt) {
         });
         step.run(Stage::Collide, [&] {
             dynamics::list_shape_pairs(w.proxies, w.arrays, w.contacts.pairs, dt, executor, w.shape_pairs);
-            step.report.undecided = collide(w.shape_pairs, executor, w.collide_scratch, w.contacts.manifolds).undecided;
+            step.report.undecided = collide({w.proxies.shapes, w.proxies.poses}, w.shape_pairs, executor, w.collide_scratch,
+                                            w.contacts.manifolds).undecided;
             dynamics::link_manifolds(w.contacts);
             dynamics::carry_impulses(w.contacts, w.previous, w.impulse_scale(dt));
         });

@@ -1,8 +1,12 @@
 // One pair at a time.
 #include <carom/core/check.hpp>
 #include <carom/narrowphase/collide.hpp>
+#include <carom/narrowphase/detail/box_lanes.hpp>
 #include <carom/narrowphase/detail/check_pair.hpp>
 #include <carom/narrowphase/detail/workspace.hpp>
+
+#include <array>
+#include <variant>
 
 namespace carom {
 
@@ -12,9 +16,16 @@ CollideStatus collide(const ShapePair& pair, std::uint32_t index, std::vector<Ma
     const detail::KernelEntry& entry = detail::kernel_for(type_of(*pair.a), type_of(*pair.b));
     detail::Workspace& workspace = detail::thread_workspace();
     if (entry.wide == nullptr) return detail::run_pair(pair, entry, index, workspace, out);
+    const std::array<const Shape*, 2> shapes{pair.a, pair.b};
+    const std::array<Pose, 2> poses{pair.pose_a, pair.pose_b};
+    std::array<detail::BoxLine, 2> boxes{};
+    for (std::size_t k = 0; k < 2; ++k) {
+        if (const Box* box = std::get_if<Box>(shapes[k])) boxes[k] = detail::box_line(*box, poses[k]);
+    }
+    const NumberedPair numbered{0, 1, pair.margin};
     const std::uint32_t only = 0;
     const std::size_t before = out.size();
-    entry.wide({&pair, 1}, {&only, 1}, workspace, out);
+    entry.wide({{shapes, poses}, boxes, {&numbered, 1}}, {&only, 1}, workspace, out);
     for (std::size_t i = before; i < out.size(); ++i) out[i].pair = index;
     return CollideStatus::Ok;
 }

@@ -24,6 +24,18 @@ struct ShapePair {
     float margin = 0.0f;  ///< points with a separation up to this are reported [m], >= 0
 };
 
+/// Shapes by number, each with its pose: (n,) and (n,). A null shape is no shape; no pair may name it, and its pose is not read.
+struct PlacedShapes {
+    std::span<const Shape* const> shapes;
+    std::span<const Pose> poses;
+};
+
+/// A pair of them. At most one of the two is a mesh or a plane.
+struct NumberedPair {
+    std::uint32_t a = 0, b = 0;
+    float margin = 0.0f;  ///< as in ShapePair
+};
+
 /// How a pair was decided; anything but Ok is counted in StepReport.
 enum class CollideStatus : unsigned char {
     Ok,         ///< decided within the documented bound
@@ -70,6 +82,12 @@ struct CollideCounts {
 
 /// Collides all `pairs`, (n,), sorted into batches by kernel, and replaces `out` by their manifolds in the order of `pairs`.
 /// The same bits as the single call, on every number of threads and at every SIMD width.
+/// What depends on one shape alone is done once for each, however many pairs it is in.
+/// Misuse as in the single call, and sizes of `placed` that differ or a number beyond them: nothing changes.
+CollideCounts collide(const PlacedShapes& placed, std::span<const NumberedPair> pairs, Executor& executor, CollideScratch& scratch,
+                      std::vector<Manifold>& out);
+
+/// The same of pairs that each bring their own shapes and poses.
 CollideCounts collide(std::span<const ShapePair> pairs, Executor& executor, CollideScratch& scratch,
                       std::vector<Manifold>& out);
 

@@ -1,11 +1,14 @@
 // Many pairs at once: sorted by kernel, run in chunks of fixed length, laid out in the order of the pairs.
 #include <carom/core/check.hpp>
 #include <carom/narrowphase/collide.hpp>
+#include <carom/narrowphase/detail/box_lanes.hpp>
 #include <carom/narrowphase/detail/check_pair.hpp>
 #include <carom/narrowphase/detail/workspace.hpp>
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <variant>
 
 namespace carom {
 namespace {
@@ -15,9 +18,7 @@ namespace {
 constexpr std::size_t kChunk = 128;
 constexpr std::size_t kKinds = static_cast<std::size_t>(kShapeTypeCount) * static_cast<std::size_t>(kShapeTypeCount);
 
-std::size_t kind_of(const ShapePair& pair) noexcept {
-    return pair.a->index() * static_cast<std::size_t>(kShapeTypeCount) + pair.b->index();
-}
+constexpr unsigned char kNoShape = 255;
 
 struct Chunk {
     std::vector<Manifold> manifolds;
@@ -34,6 +35,12 @@ struct Place {
 }  // namespace
 
 struct CollideScratch::Data {
+    std::vector<const Shape*> shapes;  // of pairs that bring their own
+    std::vector<Pose> poses;
+    std::vector<NumberedPair> numbered;
+    std::vector<unsigned char> types;  // by shape; kNoShape for none
+    std::vector<detail::BoxLine> boxes;
+    std::vector<std::uint16_t> kinds;  // by pair
     std::vector<std::uint32_t> order;
     std::vector<Place> places;
     std::vector<std::size_t> starts;
@@ -46,7 +53,8 @@ CollideScratch::CollideScratch(CollideScratch&&) noexcept = default;
 CollideScratch& CollideScratch::operator=(CollideScratch&&) noexcept = default;
 
 struct CollideBatch {
-    std::span<const ShapePair> pairs;
+    PlacedShapes placed;
+    std::span<const NumberedPair> pairs;
     Executor& executor;
     CollideScratch::Data& data;
 
@@ -55,13 +63,59 @@ struct CollideBatch {
         return *scratch.data_;
     }
 
+    [[nodiscard]] detail::BatchInput input() const noexcept { return {placed, data.boxes, pairs}; }
+
+    // What is done once for each shape. @return whether all poses are finite.
+    [[nodiscard]] bool look_at_shapes() {
+        const std::size_t count = placed.shapes.size();
+        data.types.resize(count);
+        data.boxes.resize(count);
+        std::atomic<bool> finite{true};
+        executor.parallel_for(count, 256, [&](std::size_t begin, std::size_t end) {
+            double residue = 0.0;
+            for (std::size_t k = begin; k < end; ++k) {
+                const Shape* const shape = placed.shapes[k];
+                data.types[k] = shape == nullptr ? kNoShape : static_cast<unsigned char>(shape->index());
+                if (shape == nullptr) continue;
+                residue += detail::finite_residue(placed.poses[k]);
+                if (const Box* box = std::get_if<Box>(shape)) data.boxes[k] = detail::box_line(*box, placed.poses[k]);
+            }
+            if (residue != 0.0) finite.store(false, std::memory_order_relaxed);
+        });
+        return finite.load();
+    }
+
+    [[nodiscard]] detail::PairFault look_at_pair(std::size_t i) {
+        const NumberedPair& pair = pairs[i];
+        if (pair.a >= data.types.size() || pair.b >= data.types.size()) return {"collide: a pair names a shape beyond the last"};
+        const std::size_t a = data.types[pair.a], b = data.types[pair.b];
+        if (a == kNoShape || b == kNoShape) return {"collide: a shape is null"};
+        if (!is_finite(pair.margin)) return {"collide: the margin is not finite", ErrorCode::NotFinite};
+        if (pair.margin < 0.0f) return {"collide: the margin is negative"};
+        if (!detail::kernel_for(static_cast<ShapeType>(a), static_cast<ShapeType>(b)).exists()) {
+            return {"collide: two unbounded or mesh shapes have no contact", ErrorCode::WrongType};
+        }
+        data.kinds[i] = static_cast<std::uint16_t>(a * static_cast<std::size_t>(kShapeTypeCount) + b);
+        return {};
+    }
+
+    [[nodiscard]] detail::PairFault find_fault() {
+        if (placed.shapes.size() != placed.poses.size()) return {"collide: shapes and poses differ in number"};
+        if (!look_at_shapes()) return {"collide: a pose is not finite", ErrorCode::NotFinite};
+        data.kinds.resize(pairs.size());
+        for (std::size_t i = 0; i < pairs.size(); ++i) {
+            if (const detail::PairFault fault = look_at_pair(i); fault.what != nullptr) return fault;
+        }
+        return {};
+    }
+
     // Counting sort, stable: neighbours in the order run the same kernel.
     void sort_by_kernel() {
         std::array<std::uint32_t, kKinds + 1> starts{};
-        for (const ShapePair& pair : pairs) ++starts[kind_of(pair) + 1];
+        for (const std::uint16_t kind : data.kinds) ++starts[kind + 1u];
         for (std::size_t k = 0; k < kKinds; ++k) starts[k + 1] += starts[k];
         data.order.resize(pairs.size());
-        for (std::size_t i = 0; i < pairs.size(); ++i) data.order[starts[kind_of(pairs[i])]++] = static_cast<std::uint32_t>(i);
+        for (std::size_t i = 0; i < pairs.size(); ++i) data.order[starts[data.kinds[i]]++] = static_cast<std::uint32_t>(i);
     }
 
     void run_chunk(std::size_t index) {
@@ -71,9 +125,9 @@ struct CollideBatch {
         detail::Workspace& workspace = detail::thread_workspace();
         const std::size_t end = std::min(pairs.size(), (index + 1) * kChunk);
         for (std::size_t k = index * kChunk; k < end;) {
-            const std::size_t kind = kind_of(pairs[data.order[k]]);
+            const std::uint16_t kind = data.kinds[data.order[k]];
             std::size_t last = k + 1;
-            while (last < end && kind_of(pairs[data.order[last]]) == kind) ++last;
+            while (last < end && data.kinds[data.order[last]] == kind) ++last;
             run_kind({data.order.data() + k, last - k}, static_cast<std::uint32_t>(index), workspace);
             k = last;
         }
@@ -82,11 +136,11 @@ struct CollideBatch {
     // Pairs of one kind, which are neighbours in the order.
     void run_kind(std::span<const std::uint32_t> chosen, std::uint32_t index, detail::Workspace& workspace) {
         Chunk& chunk = data.chunks[index];
-        const ShapePair& example = pairs[chosen.front()];
-        const detail::KernelEntry& entry = detail::kernel_for(type_of(*example.a), type_of(*example.b));
+        const std::size_t kind = data.kinds[chosen.front()], types = static_cast<std::size_t>(kShapeTypeCount);
+        const detail::KernelEntry& entry = detail::kernel_for(static_cast<ShapeType>(kind / types), static_cast<ShapeType>(kind % types));
         auto first = static_cast<std::uint32_t>(chunk.manifolds.size());
         if (entry.wide != nullptr) {
-            entry.wide(pairs, chosen, workspace, chunk.manifolds);
+            entry.wide(input(), chosen, workspace, chunk.manifolds);
             for (const std::uint32_t i : chosen) {
                 const std::uint32_t count = first < chunk.manifolds.size() && chunk.manifolds[first].pair == i ? 1u : 0u;
                 data.places[i] = {index, first, count};
@@ -95,7 +149,7 @@ struct CollideBatch {
             return;
         }
         for (const std::uint32_t i : chosen) {
-            const CollideStatus status = detail::run_pair(pairs[i], entry, i, workspace, chunk.manifolds);
+            const CollideStatus status = detail::run_pair(input().pair(i), entry, i, workspace, chunk.manifolds);
             const auto end = static_cast<std::uint32_t>(chunk.manifolds.size());
             data.places[i] = {index, first, end - first};
             first = end;
@@ -129,12 +183,26 @@ struct CollideBatch {
     }
 };
 
+CollideCounts collide(const PlacedShapes& placed, std::span<const NumberedPair> pairs, Executor& executor, CollideScratch& scratch,
+                      std::vector<Manifold>& out) {
+    CollideBatch batch{placed, pairs, executor, CollideBatch::data_of(scratch)};
+    const detail::PairFault fault = batch.find_fault();
+    CAROM_REQUIRE(fault.what == nullptr, fault.code, fault.what, CollideCounts{});
+    return batch.run(out);
+}
+
 CollideCounts collide(std::span<const ShapePair> pairs, Executor& executor, CollideScratch& scratch, std::vector<Manifold>& out) {
+    auto& data = CollideBatch::data_of(scratch);
+    data.shapes.clear();
+    data.poses.clear();
+    data.numbered.clear();
     for (const ShapePair& pair : pairs) {
-        const detail::PairFault fault = detail::fault_of(pair);
-        CAROM_REQUIRE(fault.what == nullptr, fault.code, fault.what, CollideCounts{});
+        const auto number = static_cast<std::uint32_t>(data.shapes.size());
+        data.shapes.insert(data.shapes.end(), {pair.a, pair.b});
+        data.poses.insert(data.poses.end(), {pair.pose_a, pair.pose_b});
+        data.numbered.push_back({number, number + 1, pair.margin});
     }
-    return CollideBatch{pairs, executor, CollideBatch::data_of(scratch)}.run(out);
+    return collide({data.shapes, data.poses}, data.numbered, executor, scratch, out);
 }
 
 }  // namespace carom

@@ -19,11 +19,12 @@ struct ContactPoint {
 };
 
 /// Up to four points with one normal: one contact patch. A convex pair has at most one manifold, a mesh pair one for each patch.
-struct Manifold {
+/// Two cache lines, the points first: wide kernels write and read them as rows of 16 bytes.
+struct alignas(64) Manifold {
+    std::array<ContactPoint, kMaxManifoldPoints> points{};
+    vec3 normal{0.0f};            ///< unit, world axes, from A to B
     std::uint32_t pair = 0;       ///< index of the pair in the batch
     std::uint32_t count = 0;      ///< points in use, 1..4
-    vec3 normal{0.0f};            ///< unit, world axes, from A to B
-    std::array<ContactPoint, kMaxManifoldPoints> points{};
 
     [[nodiscard]] std::span<const ContactPoint> used() const noexcept { return {points.data(), count}; }
 };

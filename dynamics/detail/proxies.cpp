@@ -97,6 +97,7 @@ void put_proxy(ProxySet& set, Proxy proxy, const ProxyFilter& filter) {
         set.filters.resize(size);
         set.boxes.resize(size);
         set.poses.resize(size);
+        set.shapes.resize(size, nullptr);
         set.motion.resize(size, 0.0);
         set.stale.resize(size, 0);
         set.listed.resize(size, 0);
@@ -124,7 +125,12 @@ double plane_motion(const BodyState& plane, const dvec3& point, double reach, do
 }
 
 void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& motion, Executor& executor) {
-    if (set.changed) keep_origin_near(set, bodies);
+    if (set.changed) {
+        keep_origin_near(set, bodies);
+        for (std::size_t i = 0; i < set.by_slot.size(); ++i) {
+            set.shapes[i] = set.kinds[i] == ProxyKind::None ? nullptr : &set.by_slot[i].shape;
+        }
+    }
     set.changed = false;
     list_changes(set, bodies);
     executor.parallel_for(set.moved.size(), kGrain, [&](std::size_t begin, std::size_t end) {
@@ -139,6 +145,7 @@ void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& 
             set.stale[i] = 0;
         }
     });
+    for (const std::uint32_t p : set.planes) set.poses[p] = bodies.states[set.by_slot[p].body].pose * set.by_slot[p].local;
 }
 
 void gather_pairs(const ProxySet& set, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt,
@@ -157,14 +164,14 @@ void gather_pairs(const ProxySet& set, const BodyArrays& bodies, std::span<const
             const BodyState& state = bodies.states[plane.body];
             if (!filters_agree(set.filters[i], set.filters[p])) continue;
             const double motion = plane_motion(state, bodies.states[proxy.body].pose.position, proxy.reach, dt);
-            if (!reaches(set.origin, set.boxes[i], state.pose * plane.local, std::get<Plane>(plane.shape), motion)) continue;
+            if (!reaches(set.origin, set.boxes[i], set.poses[p], std::get<Plane>(plane.shape), motion)) continue;
             pairs.push_back(make_pair(set, i, p));
         }
     }
 }
 
 void list_shape_pairs(const ProxySet& set, const BodyArrays& bodies, std::span<const ContactPair> pairs, double dt,
-                      Executor& executor, std::vector<ShapePair>& out) {
+                      Executor& executor, std::vector<NumberedPair>& out) {
     out.resize(pairs.size());
     executor.parallel_for(pairs.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
@@ -173,15 +180,11 @@ void list_shape_pairs(const ProxySet& set, const BodyArrays& bodies, std::span<c
             const Proxy& b = set.by_slot[slot_b];
             // B may be a plane, which has neither box nor motion of its own here.
             const bool b_bounded = set.kinds[slot_b] == ProxyKind::Bounded;
-            const BodyState& state_b = bodies.states[b.body];
-            const double motion_b =
-                b_bounded ? set.motion[slot_b] : plane_motion(state_b, bodies.states[a.body].pose.position, a.reach, dt);
+            const double motion_b = b_bounded
+                                        ? set.motion[slot_b]
+                                        : plane_motion(bodies.states[b.body], bodies.states[a.body].pose.position, a.reach, dt);
             const double closing = set.motion[slot_a] + motion_b;
-            out[i].a = &a.shape;
-            out[i].b = &b.shape;
-            out[i].pose_a = set.poses[slot_a];
-            out[i].pose_b = b_bounded ? set.poses[slot_b] : state_b.pose * b.local;
-            out[i].margin = static_cast<float>(std::min(closing, kMarginShare * std::min(a.extent, b.extent)));
+            out[i] = {slot_a, slot_b, static_cast<float>(std::min(closing, kMarginShare * std::min(a.extent, b.extent)))};
         }
     });
 }

@@ -59,7 +59,8 @@ struct ProxySet {
     std::vector<ProxyKind> kinds;
     std::vector<ProxyFilter> filters;     ///< movable: of a dynamic body
     std::vector<FloatAabb> boxes;         ///< of bounded proxies, over the predicted motion, relative to `origin`
-    std::vector<Pose> poses;              ///< of bounded proxies, in the world
+    std::vector<Pose> poses;              ///< in the world
+    std::vector<const Shape*> shapes;     ///< null: the slot is free
     std::vector<double> motion;           ///< of bounded proxies: how far any point may move in the step [m]
     std::vector<unsigned char> stale;     ///< 1: the box must be made anew although the body is static
     std::vector<unsigned char> listed;    ///< 1: the broadphase has a box of this slot
@@ -82,7 +83,7 @@ struct Motion {
 };
 
 /// Boxes around the predicted motion: v dt along the velocity, |g| dt² + r min(|w| dt, 2) all round.
-/// Fills in boxes, poses, motion, moved and removed: the boxes of what moves, came or was changed, and no others.
+/// Fills in boxes, poses, shapes, motion, moved and removed: the boxes of what moves, came or was changed, and no others.
 ///
 /// The origin is the middle of the dynamic bodies, about which float boxes lose least. It is chosen anew, and every box with it, only
 /// when something came or went and the middle has left the origin by more than the size of the whole scene: until then floats round as
@@ -96,9 +97,9 @@ void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& 
 void gather_pairs(const ProxySet& set, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt,
                   std::vector<ContactPair>& pairs);
 
-/// Lists the pairs with poses and margins for the narrowphase. The margin is how far the two may close in the step, at most a
+/// Lists the pairs with margins for the narrowphase, by slots. The margin is how far the two may close in the step, at most a
 /// quarter of the smaller shape's smallest extent: contacts predicted from farther away would stop bodies that only pass by.
 void list_shape_pairs(const ProxySet& set, const BodyArrays& bodies, std::span<const ContactPair> pairs, double dt,
-                      Executor& executor, std::vector<ShapePair>& out);
+                      Executor& executor, std::vector<NumberedPair>& out);
 
 }  // namespace carom::dynamics

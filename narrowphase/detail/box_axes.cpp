@@ -69,10 +69,12 @@ void find_axes(const BoxPairBundle& pair, BoxAxisBundle& out, int lane) {
 #pragma GCC unroll 3
         for (int j = 0; j < 3; ++j) {
             const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-            // e_i x b_j has no component along i, so nothing cancels as the edges become parallel: every term below shrinks with its
-            // length and is good to its own last digits.
+            // e_i x b_j has no component along i, and its products with the other axes of B are taken as they are, not from B being
+            // square, which it is to 2e-7 only. So nothing cancels as the edges become parallel: every term below shrinks with its length
+            // and is good to its own last digits.
             const Floats length_sq = r[i1][j] * r[i1][j] + r[i2][j] * r[i2][j];
-            const Floats reach = (a[i1] * size[i2][j] + a[i2] * size[i1][j]) + (b[j1] * size[i][j2] + b[j2] * size[i][j1]);
+            const Floats reach_1 = abs(r[i1][j] * r[i2][j1] - r[i2][j] * r[i1][j1]), reach_2 = abs(r[i1][j] * r[i2][j2] - r[i2][j] * r[i1][j2]);
+            const Floats reach = (a[i1] * size[i2][j] + a[i2] * size[i1][j]) + (b[j1] * reach_1 + b[j2] * reach_2);
             const Floats along = abs(t[i2] * r[i1][j] - t[i1] * r[i2][j]);
             const Mask is_axis = length_sq > Floats(static_cast<float>(kParallelSine * kParallelSine));
             best.edge((along - reach) / sqrt(length_sq), is_axis, kFirstEdge + 3 * i + j, limit);

@@ -1,32 +1,26 @@
 // Box against box, sixteen pairs at a time: fifteen axes, then the points of the faces or the edges that decide.
 //
-// Each pair is brought into the frame of its first box in double and rounded to float there; from the axes on everything is wide. The
-// pairs that are not apart are gathered before their points are sought, so that no lane works for nothing.
+// Everything is wide, but for the few pairs that floats cannot take as they are: those are brought into the frame of the first box in
+// double. The pairs that are not apart are gathered before their points are sought, so that no lane works for nothing.
 #include <carom/narrowphase/detail/box_lanes.hpp>
-#include <carom/narrowphase/detail/feature.hpp>
 #include <carom/narrowphase/detail/kernels.hpp>
 #include <carom/narrowphase/detail/polytope_patch.hpp>
+#include <carom/narrowphase/detail/tolerances.hpp>
 #include <carom/narrowphase/detail/workspace.hpp>
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
+#include <iterator>
 #include <span>
 #include <vector>
 
 namespace carom::detail {
 namespace {
 
-constexpr std::size_t kBlock = 128;  // pairs worked on at once: 40 kB, what fits into the first cache with the results
+constexpr std::size_t kBlock = 128;  // pairs worked on at once: 45 kB, what fits into the first cache with the results
 constexpr std::size_t kBundles = kBlock / kBundleWidth;
-
-// What the way back to the world needs of a pair, in double.
-struct Placement {
-    dmat3 axes{1.0};         // of A, in the world
-    dvec3 centre{0.0};       // of the part of A that was worked on, in A's frame
-    double unit = 1.0;       // metres of a unit of the bundles, a power of two
-    std::uint32_t pair = 0;  // in the batch
-};
 
 struct BoxPart {
     dvec3 centre{0.0};
@@ -36,7 +30,7 @@ struct BoxPart {
 // The part of a box within reach of another whose points lie within `radius` of `other`: cut where the other cannot be. A box of
 // like size is left whole, and so is one whose sides are all far from the other, which lies deep inside then.
 BoxPart part_near(const dvec3& half, const dvec3& other, double radius) {
-    const double reach = 4.0 * radius;
+    const double reach = 0.5 * static_cast<double>(kUnusualRatio) * radius;
     if (std::max({half.x, half.y, half.z}) <= 2.0 * reach) return {dvec3{0.0}, half};
     const dvec3 inside = half - glm::abs(other);  // how deep the other's centre is below each pair of sides
     // A side this near separates better than any cut: 3 radii of depth at most, against more than 4.
@@ -47,25 +41,26 @@ BoxPart part_near(const dvec3& half, const dvec3& other, double radius) {
 }
 
 // Lengths are halved or doubled into the middle of the range of floats, so that their squares and areas stay in it.
-double unit_for(double size) noexcept { return size > 0x1p-20 && size < 0x1p20 ? 1.0 : std::ldexp(1.0, std::ilogb(size)); }
+double unit_for(double size) noexcept {
+    const bool usual = size > static_cast<double>(kSmallestUsual) && size < static_cast<double>(kLargestUsual);
+    return usual ? 1.0 : std::ldexp(1.0, std::ilogb(size));
+}
 
 void put(FloatBundle* bundles, std::size_t lane, const dvec3& v) noexcept {
     for (int k = 0; k < 3; ++k) bundles[k].lane[lane] = static_cast<float>(v[k]);
 }
 
-Placement place_pair(const ShapePair& pair, std::uint32_t index, BoxPairBundle& bundle, std::size_t lane) {
+// In double.
+void place_unusual(const ShapePair& pair, BoxPairBundle& bundle, BoxWayBundle& way, std::size_t lane) {
     const dvec3 half_a(as<Box>(*pair.a).half_extents), half_b(as<Box>(*pair.b).half_extents);
-    Placement place;
-    place.axes = glm::mat3_cast(pair.pose_a.orientation);
-    place.pair = index;
+    const dmat3 axes = glm::mat3_cast(pair.pose_a.orientation);
     const dmat3 rotation = glm::mat3_cast(glm::conjugate(pair.pose_a.orientation) * pair.pose_b.orientation);
-    const dvec3 offset = (pair.pose_b.position - pair.pose_a.position) * place.axes;
+    const dvec3 offset = (pair.pose_b.position - pair.pose_a.position) * axes;
     const double margin = static_cast<double>(pair.margin);
     const BoxPart a = part_near(half_a, offset, glm::length(half_b) + margin);
     const BoxPart b = part_near(half_b, -(offset * rotation), glm::length(half_a) + margin);
-    place.centre = a.centre;
-    place.unit = unit_for(std::max({a.half.x, a.half.y, a.half.z, b.half.x, b.half.y, b.half.z}));
-    const double scale = 1.0 / place.unit;
+    const double unit = unit_for(std::max({a.half.x, a.half.y, a.half.z, b.half.x, b.half.y, b.half.z}));
+    const double scale = 1.0 / unit;
     put(bundle.half_a, lane, scale * a.half);
     put(bundle.half_b, lane, scale * b.half);
     put(bundle.offset, lane, scale * ((offset - a.centre) + rotation * b.centre));
@@ -73,82 +68,8 @@ Placement place_pair(const ShapePair& pair, std::uint32_t index, BoxPairBundle& 
         for (int j = 0; j < 3; ++j) bundle.rotation[i][j].lane[lane] = static_cast<float>(rotation[j][i]);
     }
     bundle.margin.lane[lane] = static_cast<float>(scale * margin);
-    return place;
-}
-
-// Bit k of a corner is set on the positive side of axis k; an edge is 4 * axis + the signs of the next two.
-std::uint32_t edge_number(int axis, std::uint32_t corner) noexcept {
-    return 4u * static_cast<std::uint32_t>(axis) + ((corner >> ((axis + 1) % 3)) & 1u) + 2u * ((corner >> ((axis + 2) % 3)) & 1u);
-}
-
-// The names of features of one face, from its axis and the normal that leaves it.
-class FaceNames {
-public:
-    FaceNames(int axis, const float (&normal)[3]) noexcept : axis_(axis) {
-        for (std::uint32_t k = 0; k < 3; ++k) toward_ |= normal[k] < 0.0f ? 0u : 1u << k;
-    }
-    // Corner 0..3, which run (+,+), (-,+), (-,-), (+,-).
-    [[nodiscard]] std::uint32_t corner(int k) const noexcept {
-        return (toward_ & (1u << axis_)) | (k == 0 || k == 3 ? 1u << p() : 0u) | (k < 2 ? 1u << q() : 0u);
-    }
-    // From corner k to k + 1.
-    [[nodiscard]] std::uint32_t edge(int k) const noexcept { return edge_number(k % 2 == 0 ? p() : q(), corner(k)); }
-    // On the side p+, p-, q+, q-: the edges 3, 1, 0 and 2.
-    [[nodiscard]] std::uint32_t side(int s) const noexcept {
-        constexpr int kEdgeOfSide[4] = {3, 1, 0, 2};
-        return edge(kEdgeOfSide[s]);
-    }
-    // The edge along `axis` that is farthest along the normal.
-    [[nodiscard]] std::uint32_t leading_edge(int axis) const noexcept { return edge_number(axis, toward_); }
-
-private:
-    [[nodiscard]] int p() const noexcept { return (axis_ + 1) % 3; }
-    [[nodiscard]] int q() const noexcept { return (axis_ + 2) % 3; }
-    int axis_;
-    std::uint32_t toward_ = 0;
-};
-
-// Names a point after a corner of B, or else of A, that it lies at; otherwise after the two edges. `plain` leaves the corners out.
-std::uint64_t name_of(const BoxPatchBundle::Point& point, std::size_t lane, const FaceNames& a, const FaceNames& b, int axis_code, bool plain) {
-    const int candidate = point.candidate.lane[lane];
-    const int corner_a = candidate >= kCornerOfA && candidate < kCrossing ? candidate - kCornerOfA : (plain ? -1 : point.corner_a.lane[lane]);
-    const int corner_b = candidate < kCornerOfA ? candidate : (plain ? -1 : point.corner_b.lane[lane]);
-    if (corner_b >= 0) return feature_name(FeatureKind::VertexOfSecond, 0, b.corner(corner_b));
-    if (corner_a >= 0) return feature_name(FeatureKind::VertexOfFirst, a.corner(corner_a), 0);
-    if (candidate == kEdges) {
-        const int edges = axis_code - kFirstEdge;
-        return feature_name(FeatureKind::Edges, a.leading_edge(edges / 3), b.leading_edge(edges % 3));
-    }
-    const int crossing = candidate - kCrossing;
-    return feature_name(FeatureKind::Edges, a.side(crossing / 4), b.edge(crossing % 4));
-}
-
-void write_manifold(const BoxPatchBundle& patch, std::size_t lane, int axis_code, const Placement& place, std::vector<Manifold>& out) {
-    Manifold& m = out.emplace_back();
-    m.pair = place.pair;
-    m.count = static_cast<std::uint32_t>(patch.count.lane[lane]);
-    const float normal[3] = {patch.normal[0].lane[lane], patch.normal[1].lane[lane], patch.normal[2].lane[lane]};
-    const float against_b[3] = {-patch.normal_b[0].lane[lane], -patch.normal_b[1].lane[lane], -patch.normal_b[2].lane[lane]};
-    m.normal = vec3(place.axes * dvec3(normal[0], normal[1], normal[2]));
-    const FaceNames a(patch.face_a.lane[lane], normal), b(patch.face_b.lane[lane], against_b);
-    for (std::uint32_t k = 0; k < m.count; ++k) {
-        const BoxPatchBundle::Point& from = patch.points[k];
-        const dvec3 local{from.position[0].lane[lane], from.position[1].lane[lane], from.position[2].lane[lane]};
-        std::uint64_t name = name_of(from, lane, a, b, axis_code, false);
-        for (std::uint32_t i = 0; i < k; ++i) {
-            if (m.points[i].feature == name) name = name_of(from, lane, a, b, axis_code, true);
-        }
-        m.points[k] = {vec3(place.axes * (place.unit * local + place.centre)),
-                       static_cast<float>(place.unit * static_cast<double>(from.separation.lane[lane])), name};
-    }
-}
-
-void copy_lane(const BoxPairBundle& from, std::size_t lane, BoxPairBundle& to, std::size_t to_lane) noexcept {
-    static_assert(sizeof(BoxPairBundle) % sizeof(FloatBundle) == 0);
-    constexpr std::size_t kRows = sizeof(BoxPairBundle) / sizeof(FloatBundle);
-    const auto* source = reinterpret_cast<const FloatBundle*>(&from);
-    auto* target = reinterpret_cast<FloatBundle*>(&to);
-    for (std::size_t row = 0; row < kRows; ++row) target[row].lane[to_lane] = source[row].lane[lane];
+    put(way.centre, lane, a.centre);
+    way.unit.lane[lane] = static_cast<float>(unit);
 }
 
 // The axes lie within the margin, but the faces are not over each other: corner to corner or corner to edge. The true distance
@@ -165,66 +86,142 @@ CollideStatus touch_corners(const PairFrame& pair, Workspace& workspace, Manifol
     return CollideStatus::Ok;
 }
 
-// One block of pairs on its way through the kernels.
-struct Block {
+// Some pairs, on their way through the kernels.
+struct Pairs {
+    std::array<BoxNumberBundle, kBundles> numbers{};
+    std::array<BoxWayBundle, kBundles> ways{};
     std::array<BoxPairBundle, kBundles> pairs{};
     std::array<BoxAxisBundle, kBundles> axes{};
-    std::array<BoxPatchBundle, kBundles> patches{};
-    std::array<Placement, kBlock> places;
+    std::size_t count = 0;
 
-    // Moves the pairs that are not apart to the front. @return how many.
-    std::size_t keep_near(std::size_t count) noexcept {
-        std::size_t kept = 0;
-        for (std::size_t i = 0; i < count; ++i) {
-            const std::size_t from = i / kBundleWidth, lane = i % kBundleWidth;
-            const std::int32_t code = axes[from].code.lane[lane];
-            if (code == kApart) continue;
-            const std::size_t to = kept / kBundleWidth, to_lane = kept % kBundleWidth;
-            if (kept != i) {
-                copy_lane(pairs[from], lane, pairs[to], to_lane);
-                axes[to].separation.lane[to_lane] = axes[from].separation.lane[lane];
-                axes[to].code.lane[to_lane] = code;
-                places[kept] = places[i];
-            }
-            ++kept;
+    [[nodiscard]] std::size_t bundles() const noexcept { return bundle_count(count); }
+
+    void add(std::int32_t pair, std::int32_t a, std::int32_t b, float margin) noexcept {
+        const std::size_t bundle = count / kBundleWidth, lane = count % kBundleWidth;
+        numbers[bundle].a.lane[lane] = a;
+        numbers[bundle].b.lane[lane] = b;
+        numbers[bundle].margin.lane[lane] = margin;
+        ways[bundle].pair.lane[lane] = pair;
+        ++count;
+    }
+    void place(const BatchInput& input) {
+        for (std::size_t i = count; i < bundles() * kBundleWidth; ++i) {  // lanes without a pair
+            BoxNumberBundle& last = numbers[i / kBundleWidth];
+            last.a.lane[i % kBundleWidth] = last.a.lane[0];
+            last.b.lane[i % kBundleWidth] = last.b.lane[0];
         }
-        return kept;
+        std::array<std::uint32_t, kBundles> unusual{};
+        place_boxes(input.boxes, {numbers.data(), bundles()}, {pairs.data(), bundles()}, {unusual.data(), bundles()});
+        for (std::size_t k = 0; k < bundles(); ++k) {
+            std::fill(std::begin(ways[k].unit.lane), std::end(ways[k].unit.lane), 1.0f);
+            for (FloatBundle& centre : ways[k].centre) centre = {};
+            for (std::uint32_t left = unusual[k]; left != 0; left &= left - 1) {
+                const auto lane = static_cast<std::size_t>(std::countr_zero(left));
+                if (k * kBundleWidth + lane >= count) break;
+                place_unusual(input.pair(static_cast<std::uint32_t>(ways[k].pair.lane[lane])), pairs[k], ways[k], lane);
+            }
+        }
     }
 };
 
-// Lanes that a block leaves alone keep what they held before, which no other lane sees.
+struct Block {
+    Pairs all, near;
+    std::array<BoxPatchBundle, kBundles> patches{};
+    std::vector<Manifold> corners;          // of pairs that touch corner to corner
+    std::vector<std::uint32_t> corners_to;  // where they go
+
+    void keep_near() noexcept {
+        near.count = 0;
+        for (std::size_t i = 0; i < all.count; ++i) {
+            const std::size_t bundle = i / kBundleWidth, lane = i % kBundleWidth;
+            const std::int32_t code = all.axes[bundle].code.lane[lane];
+            if (code == kApart) continue;
+            BoxAxisBundle& axes = near.axes[near.count / kBundleWidth];
+            axes.code.lane[near.count % kBundleWidth] = code;
+            axes.separation.lane[near.count % kBundleWidth] = all.axes[bundle].separation.lane[lane];
+            const BoxNumberBundle& numbers = all.numbers[bundle];
+            near.add(all.ways[bundle].pair.lane[lane], numbers.a.lane[lane], numbers.b.lane[lane], numbers.margin.lane[lane]);
+        }
+    }
+
+    // Says where each manifold goes, `first` and after. @return how many there are.
+    std::size_t number_manifolds(const BatchInput& input, std::size_t first, Workspace& workspace) {
+        corners.clear();
+        corners_to.clear();
+        std::size_t next = first;
+        for (std::size_t i = 0; i < near.bundles() * kBundleWidth; ++i) {
+            const std::size_t bundle = i / kBundleWidth, lane = i % kBundleWidth;
+            std::int32_t& to = near.ways[bundle].to.lane[lane];
+            to = kNoManifold;
+            if (i >= near.count) continue;
+            if (patches[bundle].count.lane[lane] > 0) {
+                to = static_cast<std::int32_t>(next++);
+                continue;
+            }
+            const auto pair = static_cast<std::uint32_t>(near.ways[bundle].pair.lane[lane]);
+            run_pair(input.pair(pair), {touch_corners, nullptr, false}, pair, workspace, corners);
+            if (corners.size() > corners_to.size()) corners_to.push_back(static_cast<std::uint32_t>(next++));
+        }
+        return next - first;
+    }
+};
+
 Block& thread_block() {
     thread_local Block block;
     return block;
 }
 
-void collide_block(std::span<const ShapePair> all, std::span<const std::uint32_t> block, Workspace& workspace, Block& work,
+void collide_block(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, Block& work,
                    std::vector<Manifold>& out) {
-    for (std::size_t i = 0; i < block.size(); ++i) {
-        work.places[i] = place_pair(all[block[i]], block[i], work.pairs[i / kBundleWidth], i % kBundleWidth);
+    Pairs& all = work.all;
+    Pairs& near = work.near;
+    all.count = 0;
+    for (const std::uint32_t i : chosen) {
+        const NumberedPair& pair = input.pairs[i];
+        all.add(static_cast<std::int32_t>(i), static_cast<std::int32_t>(pair.a), static_cast<std::int32_t>(pair.b), pair.margin);
     }
-    const std::size_t bundles = bundle_count(block.size());
-    find_box_axes({work.pairs.data(), bundles}, {work.axes.data(), bundles});
-    const std::size_t near = work.keep_near(block.size());
-    const std::size_t near_bundles = bundle_count(near);
-    build_box_patches({work.pairs.data(), near_bundles}, {work.axes.data(), near_bundles}, {work.patches.data(), near_bundles});
-    for (std::size_t i = 0; i < near; ++i) {
-        const std::size_t bundle = i / kBundleWidth, lane = i % kBundleWidth;
-        const Placement& place = work.places[i];
-        if (work.patches[bundle].count.lane[lane] > 0) {
-            write_manifold(work.patches[bundle], lane, work.axes[bundle].code.lane[lane], place, out);
-        } else {
-            run_pair(all[place.pair], {touch_corners, nullptr, false}, place.pair, workspace, out);
-        }
-    }
+    all.place(input);
+    find_box_axes({all.pairs.data(), all.bundles()}, {all.axes.data(), all.bundles()});
+    work.keep_near();
+    if (near.count == 0) return;
+    const std::size_t bundles = near.bundles();
+    near.place(input);
+    build_box_patches({near.pairs.data(), bundles}, {near.axes.data(), bundles}, {work.patches.data(), bundles});
+    const std::size_t first = out.size();
+    out.resize(first + work.number_manifolds(input, first, workspace));
+    write_box_manifolds(input.boxes, {near.numbers.data(), bundles}, {near.ways.data(), bundles}, {near.axes.data(), bundles},
+                        {work.patches.data(), bundles}, out.data());
+    for (std::size_t k = 0; k < work.corners.size(); ++k) out[work.corners_to[k]] = work.corners[k];
 }
 
 }  // namespace
 
-void box_box(std::span<const ShapePair> all, std::span<const std::uint32_t> chosen, Workspace& workspace, std::vector<Manifold>& out) {
+BoxLine box_line(const Box& box, const Pose& pose) noexcept {
+    BoxLine line;
+    const dmat3 axes = glm::mat3_cast(pose.orientation);
+    for (int k = 0; k < 3; ++k) {
+        for (int i = 0; i < 3; ++i) line.axis[k][i] = static_cast<float>(axes[k][i]);
+        line.axis[k][3] = box.half_extents[k];
+    }
+    constexpr double kMostDistance = 1e30;  // beyond, differences of positions may leave the range of floats
+    bool far = false;
+    for (int i = 0; i < 3; ++i) {
+        double rest = pose.position[i];
+        far |= std::abs(rest) > kMostDistance;
+        for (auto& row : line.position) {
+            row[i] = far ? 0.0f : static_cast<float>(rest);
+            rest -= static_cast<double>(row[i]);
+        }
+    }
+    for (auto& row : line.position) row[3] = 0.0f;
+    line.position[0][3] = far ? 1.0f : 0.0f;
+    return line;
+}
+
+void box_box(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, std::vector<Manifold>& out) {
     Block& work = thread_block();
     for (std::size_t begin = 0; begin < chosen.size(); begin += kBlock) {
-        collide_block(all, chosen.subspan(begin, std::min(kBlock, chosen.size() - begin)), workspace, work, out);
+        collide_block(input, chosen.subspan(begin, std::min(kBlock, chosen.size() - begin)), workspace, work, out);
     }
 }
 

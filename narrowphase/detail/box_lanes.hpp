@@ -1,22 +1,42 @@
 // Many pairs of boxes at once: how sixteen of them lie side by side, and the kernels that work on them.
 //
+//   lines[k] = box_line(box, pose);         // once for each box
+//   place_boxes(lines, numbers, pairs, unusual);
 //   find_box_axes(pairs, axes);             // which axis separates most, or that they are apart
 //   build_box_patches(pairs, axes, patches);
+//   write_box_manifolds(lines, numbers, ways, axes, patches, manifolds);
 //
 // Everything is float, in the frame of the first box about its centre. A box that is much larger than the other was cut to the
 // neighbourhood of the other before it was rounded (box_box.cpp), so that lengths differ by little and a float's rounding is 6e-8 of
 // the pair's own size.
 #pragma once
 
+#include <carom/collision/shapes.hpp>
 #include <carom/core/bundle.hpp>
+#include <carom/core/pose.hpp>
+#include <carom/narrowphase/manifold.hpp>
 
 #include <array>
 #include <cstdint>
+#include <limits>
 #include <span>
 
 namespace carom::detail {
 
-/// Sixteen pairs. Lanes without a pair are zero.
+/// One box, as lanes read it: six rows of four floats.
+struct alignas(32) BoxLine {
+    float axis[3][4];      ///< its axes in the world, and the half extent along each
+    float position[3][4];  ///< three floats for each coordinate, which add up to it; then 1 where they cannot, in the first row
+};
+[[nodiscard]] BoxLine box_line(const Box& box, const Pose& pose) noexcept;
+
+/// Which boxes sixteen pairs are of. Lanes without a pair repeat another.
+struct BoxNumberBundle {
+    IntBundle a, b;  ///< lines
+    FloatBundle margin;
+};
+
+/// Sixteen pairs.
 struct BoxPairBundle {
     FloatBundle half_a[3];
     FloatBundle half_b[3];
@@ -59,6 +79,26 @@ struct BoxPatchBundle {
     IntBundle count;          ///< of points, 0..4
     std::array<Point, 4> points;
 };
+
+/// The way of sixteen patches back to the world.
+struct BoxWayBundle {
+    FloatBundle centre[3];  ///< of the part of A that was worked on, along A's axes [m]
+    FloatBundle unit;       ///< metres of a unit of the bundles, a power of two
+    IntBundle pair;         ///< in the batch
+    IntBundle to;           ///< where the manifold goes; kNoManifold: nowhere
+};
+inline constexpr std::int32_t kNoManifold = std::numeric_limits<std::int32_t>::max();
+
+/// Brings pairs into the frames of their first boxes. Positions are differences of three floats each, which holds all of a double, so the
+/// distance from the world's origin does not matter. `unusual` has the bits of the lanes that float cannot take as they are: sizes that
+/// differ by much, or are out of its range. What is written there means nothing.
+/// Accuracy: rotations within 2e-7, offsets within 3e-7 of their length.
+void place_boxes(std::span<const BoxLine> lines, std::span<const BoxNumberBundle> numbers, std::span<BoxPairBundle> pairs,
+                 std::span<std::uint32_t> unusual);
+
+/// Names the points of patches and writes them as manifolds, in world axes about A's centre.
+void write_box_manifolds(std::span<const BoxLine> lines, std::span<const BoxNumberBundle> numbers, std::span<const BoxWayBundle> ways,
+                         std::span<const BoxAxisBundle> axes, std::span<const BoxPatchBundle> patches, Manifold* manifolds);
 
 /// Method: Gottschalk, Lin, Manocha, OBBTree (1996), sec. 5, with normalised edge axes. An edge axis wins over the faces only where it is
 /// better by kWidePreference of the size.

@@ -65,8 +65,22 @@ struct Workspace;  // detail/workspace.hpp
 
 using Kernel = CollideStatus (*)(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 
-/// Many pairs of one kind at once: pairs `chosen` of `all`, at most one manifold for each, in their order.
-using WideKernel = void (*)(std::span<const ShapePair> all, std::span<const std::uint32_t> chosen, Workspace& workspace,
+struct BoxLine;  // detail/box_lanes.hpp
+
+/// What kernels for many pairs see. Everything has been checked.
+struct BatchInput {
+    PlacedShapes placed;
+    std::span<const BoxLine> boxes;  ///< by shape; of boxes alone
+    std::span<const NumberedPair> pairs;
+
+    [[nodiscard]] ShapePair pair(std::uint32_t index) const noexcept {
+        const NumberedPair& p = pairs[index];
+        return {placed.shapes[p.a], placed.shapes[p.b], placed.poses[p.a], placed.poses[p.b], p.margin};
+    }
+};
+
+/// Many pairs of one kind at once: pairs `chosen` of the input, at most one manifold for each, in their order.
+using WideKernel = void (*)(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace,
                             std::vector<Manifold>& out);
 
 /// The kernel of a pair of types: for one pair at a time, which may take the second type first, or for many. Both are null where there

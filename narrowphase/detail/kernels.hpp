@@ -9,7 +9,7 @@ CollideStatus sphere_sphere(const PairFrame& pair, Workspace& workspace, Manifol
 CollideStatus sphere_box(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 CollideStatus sphere_capsule(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 CollideStatus sphere_plane(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
-void box_box(std::span<const ShapePair> all, std::span<const std::uint32_t> chosen, Workspace& workspace, std::vector<Manifold>& out);
+void box_box(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, std::vector<Manifold>& out);
 CollideStatus box_plane(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 CollideStatus capsule_capsule(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 CollideStatus capsule_plane(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);

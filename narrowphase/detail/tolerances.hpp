@@ -16,6 +16,12 @@ inline constexpr double kFacePreference = 1e-6;
 /// roundings of 6e-8 each, of terms that add up to a few half extents.
 inline constexpr float kWideRounding = 1e-6f;
 
+/// Boxes are worked on whole, in metres and in floats, where neither is longer than this many times what the other may reach, and the
+/// longest half extent [m] lies between these. Others are cut, or measured in other units, first.
+inline constexpr float kUnusualRatio = 8.0f;
+inline constexpr float kSmallestUsual = 0x1p-20f;
+inline constexpr float kLargestUsual = 0x1p20f;
+
 /// The same as kFacePreference for separations in floats, of the half extent: twice their rounding.
 inline constexpr float kWidePreference = 2e-6f;
 
