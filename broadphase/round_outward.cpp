@@ -1,10 +1,18 @@
 #include <carom/broadphase/proxy.hpp>
 
-#include <cmath>
+#include <bit>
+#include <cstdint>
 #include <limits>
 
 namespace carom {
 namespace {
+
+// The next float below a finite one.
+float float_below(float x) noexcept {
+    const auto bits = std::bit_cast<std::int32_t>(x);
+    if (x == 0.0f) return -std::numeric_limits<float>::denorm_min();
+    return std::bit_cast<float>(bits < 0 ? bits + 1 : bits - 1);  // sign and magnitude
+}
 
 // The largest float at most a - b in exact arithmetic.
 float difference_below(double a, double b) noexcept {
@@ -16,7 +24,8 @@ float difference_below(double a, double b) noexcept {
     const double error = (a - (s - t)) + (-b - t);  // a - b == s + error (Knuth 1969, vol. 2, 4.2.2, theorem B)
     const auto nearest = static_cast<float>(s);
     const auto rounded = static_cast<double>(nearest);
-    return rounded > s || (rounded == s && error < 0.0) ? std::nextafter(nearest, -kInfinity) : nearest;
+    if (!(rounded > s || (rounded == s && error < 0.0))) return nearest;
+    return rounded > std::numeric_limits<double>::max() ? std::numeric_limits<float>::max() : float_below(nearest);
 }
 
 float difference_above(double a, double b) noexcept { return -difference_below(-a, -b); }

@@ -83,7 +83,7 @@ StepReport World::step(double dt) {
     const dynamics::Motion motion{w.def.gravity, dt};
     const Balance before = w.def.report_balance ? balance_of(*this) : Balance{};
     std::swap(w.contacts, w.previous);
-    w.contacts.clear();
+    if (!choices.contacts) w.contacts.clear();  // otherwise each part is replaced below
 
     if (choices.contacts) {
         step.run(Stage::Bounds, [&] { dynamics::update_swept_bounds(w.proxies, w.arrays, motion, executor); });

@@ -40,7 +40,7 @@ struct alignas(64) PointLanes {
     Wide<float> normal_impulse{};        ///< accumulated over a substep [N s]
     Wide<float> tangent_impulse_1{}, tangent_impulse_2{};
     Wide<float> approach{};              ///< normal velocity at the start of the step [m/s], negative: approaching
-    Wide<float> peak_impulse{};          ///< largest normal impulse of the step's substeps
+    Wide<float> peak_impulse{};          ///< largest normal impulse of the step's substeps, where the bundle bounces
 };
 
 struct alignas(64) ContactBundle {

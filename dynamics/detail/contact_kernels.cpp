@@ -87,8 +87,8 @@ struct SoftLanes {
 };
 
 template <bool kBias>
-CAROM_PASS_INLINE void solve_normal(PointLanes& p, int lane, const SoftLanes& soft, const SolveSettings& settings, const Basis& basis,
-                  Floats separation, Bodies& a, Bodies& b) {
+CAROM_PASS_INLINE void solve_normal(PointLanes& p, int lane, const SoftLanes& soft, const SolveSettings& settings, bool bounces,
+                  const Basis& basis, Floats separation, Bodies& a, Bodies& b) {
     const Floats zero = broadcast(0.0f);
     const Floats one = broadcast(1.0f);
     const Mask apart = separation > zero;
@@ -108,7 +108,7 @@ CAROM_PASS_INLINE void solve_normal(PointLanes& p, int lane, const SoftLanes& so
     const Floats change = -(get(p.normal_mass, lane) * mass_scale * (vn + bias)) - impulse_scale * old;
     const Floats accumulated = max(old + change, zero);
     put(p.normal_impulse, lane, accumulated);
-    put(p.peak_impulse, lane, max(get(p.peak_impulse, lane), accumulated));
+    if (bounces) put(p.peak_impulse, lane, max(get(p.peak_impulse, lane), accumulated));  // which restitution alone asks for
     const Floats3 impulse = (accumulated - old) * basis.n;
     a.pull(impulse, ra);
     b.push(impulse, rb);
@@ -136,7 +136,7 @@ void solve_bundle(ContactBundle& c, SolverBodies& all, const SolveSettings& sett
         PointLanes& p = c.points[static_cast<std::size_t>(k)];
         const Floats3 gap = db.at(lever_b(p, lane)) - da.at(lever_a(p, lane));
         const Floats separation = dot(gap, basis.n) + get(p.separation, lane);
-        solve_normal<kBias>(p, lane, soft, settings, basis, separation, a, b);
+        solve_normal<kBias>(p, lane, soft, settings, c.bounces, basis, separation, a, b);
     }
     write_bodies(all, rows_a, a);
     write_bodies(all, rows_b, b);

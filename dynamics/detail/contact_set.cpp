@@ -15,8 +15,21 @@ const PointImpulse* find_impulse(const ContactSet& set, const ContactPair& pair,
     return nullptr;
 }
 
+bool has_same_points(const Manifold& a, const Manifold& b) {
+    if (a.count != b.count) return false;
+    bool same = true;
+    for (std::size_t k = 0; k < a.count; ++k) same &= a.points[k].feature == b.points[k].feature;
+    return same;
+}
+
 void carry_manifold(const Manifold& manifold, ManifoldImpulses& impulses, const ContactSet& before,
                     const ContactPair& old_pair, float scale) {
+    // Nearly always: one manifold, and its points in the order they had.
+    if (old_pair.manifold_count == 1 && has_same_points(manifold, before.manifolds[old_pair.first_manifold])) {
+        const ManifoldImpulses& old = before.impulses[old_pair.first_manifold];
+        for (std::size_t k = 0; k < manifold.count; ++k) impulses[k] = {scale * old[k].normal, scale * old[k].friction};
+        return;
+    }
     for (std::size_t k = 0; k < manifold.count; ++k) {
         const std::uint64_t feature = manifold.points[k].feature;
         int twins = 0;

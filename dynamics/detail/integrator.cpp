@@ -9,7 +9,7 @@
 namespace carom::dynamics {
 namespace {
 
-constexpr double kSmallTurn = 1.0 / 256.0;  // [rad] in one step: below it, Euler's equations to first order
+constexpr double kSmallTurn = 1.0 / 40.0;  // [rad] in one step: below it, Euler's equations to second order
 
 /// One factor of the splitting: free rotation about body axis i for `dt`. L (body axes) turns the other way.
 template <int i>
@@ -100,9 +100,12 @@ void integrate_free(BodyState& state, const BodyMass& mass, const dvec3& acceler
 dvec3 gyroscopic_change(const BodyState& state, const BodyMass& mass, double dt) noexcept {
     if (mass.inertia == InertiaClass::Isotropic) return dvec3{0.0};
     if (glm::dot(state.spin, state.spin) * (dt * dt) <= kSmallTurn * kSmallTurn) {
-        const dvec3 spin = rotate_inverse(state.pose.orientation, state.spin);
-        const dvec3 torque = -glm::cross(spin, mass.moments * spin);
-        return rotate(state.pose.orientation, mass.inverse_moments * torque * dt);
+        // In body axes spin' = rate, and the body turns under it: in world axes spin'' = spin x rate + rate'.
+        const dvec3 spin = rotate_inverse(state.pose.orientation, state.spin), momentum = mass.moments * spin;
+        const dvec3 rate = mass.inverse_moments * glm::cross(momentum, spin);
+        const dvec3 rate_change = mass.inverse_moments * (glm::cross(mass.moments * rate, spin) + glm::cross(momentum, rate));
+        const dvec3 second = glm::cross(spin, rate) + rate_change;
+        return rotate(state.pose.orientation, dt * (rate + 0.5 * dt * second));
     }
     dquat q = state.pose.orientation;
     dvec3 spin = state.spin;

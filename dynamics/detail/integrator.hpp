@@ -24,8 +24,8 @@ inline constexpr double kMaxCycleAngle = 1.0 / 64.0;
 inline constexpr double kMaxContactCycleAngle = 0.25;
 
 /// @return how the spin of a body changes over `dt` by its gyroscopic torque alone [rad/s]; zero for isotropic bodies.
-/// For bodies in contact: the solver adds it evenly over the substeps. By the splitting above; for turns below 1/256 rad by
-/// Euler's equations to first order, whose error is then below 1.6e-5 of the spin.
+/// For bodies in contact: the solver adds it evenly over the substeps. By the splitting above; for turns below 1/40 rad by
+/// Euler's equations to second order, whose error is then below 1.6e-5 of the spin.
 [[nodiscard]] dvec3 gyroscopic_change(const BodyState& state, const BodyMass& mass, double dt) noexcept;
 
 /// @return the inverse inertia in world axes.
