@@ -31,7 +31,6 @@ void integrate_free_bodies(dynamics::BodyArrays& bodies, const dynamics::Contact
 
 void count_contacts(StepReport& report, const dynamics::ContactSet& contacts, const dynamics::ContactSolver& solver) {
     const dynamics::ContactSummary summary = dynamics::summarise(contacts);
-    report.pairs = contacts.pairs.size();
     report.manifolds = contacts.manifolds.size();
     report.contacts = summary.points;
     report.touching = summary.touching;
@@ -93,13 +92,13 @@ StepReport World::step(double dt) {
             step.report.boxes_given = changes.moved.size();
             step.report.boxes_removed = changes.removed.size();
             step.report.pairs_limited = found.status != PairStatus::Complete;
-            dynamics::gather_pairs(w.proxies, w.arrays, found.pairs, dt, w.contacts.pairs);
+            dynamics::list_candidates(w.proxies, w.arrays, found.pairs, dt, executor, w.candidates);
+            step.report.pairs = w.candidates.size();
         });
         step.run(Stage::Collide, [&] {
-            dynamics::list_shape_pairs(w.proxies, w.arrays, w.contacts.pairs, dt, executor, w.shape_pairs);
-            step.report.undecided = collide({w.proxies.shapes, w.proxies.poses}, w.shape_pairs, executor, w.collide_scratch,
+            step.report.undecided = collide({w.proxies.shapes, w.proxies.poses}, w.candidates, executor, w.collide_scratch,
                                             w.contacts.manifolds).undecided;
-            dynamics::link_manifolds(w.contacts);
+            dynamics::link_manifolds(w.contacts, [&](std::uint32_t i) { return dynamics::contact_pair(w.proxies, w.candidates[i]); });
             dynamics::carry_impulses(w.contacts, w.previous, w.impulse_scale(dt));
         });
         step.run(Stage::Prepare, [&] { w.solver.prepare(w.contacts, w.proxies, w.arrays, w.solver_settings(dt), executor); });

@@ -42,13 +42,18 @@ void carry_manifold(const Manifold& manifold, ManifoldImpulses& impulses, const 
 
 }  // namespace
 
-void link_manifolds(ContactSet& contacts) noexcept {
-    std::uint32_t next = 0;
-    for (std::uint32_t i = 0; i < contacts.pairs.size(); ++i) {
-        ContactPair& pair = contacts.pairs[i];
-        pair.first_manifold = next;
-        while (next < contacts.manifolds.size() && contacts.manifolds[next].pair == i) ++next;
-        pair.manifold_count = next - pair.first_manifold;
+void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t candidate)> make) {
+    contacts.pairs.clear();
+    const auto count = static_cast<std::uint32_t>(contacts.manifolds.size());
+    for (std::uint32_t first = 0, next = 0; first < count; first = next) {
+        const std::uint32_t candidate = contacts.manifolds[first].pair;
+        const auto index = static_cast<std::uint32_t>(contacts.pairs.size());
+        for (; next < count && contacts.manifolds[next].pair == candidate; ++next) {
+        }
+        for (std::uint32_t m = first; m < next; ++m) contacts.manifolds[m].pair = index;
+        ContactPair& pair = contacts.pairs.emplace_back(make(candidate));
+        pair.first_manifold = first;
+        pair.manifold_count = next - first;
     }
 }
 

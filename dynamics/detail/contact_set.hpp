@@ -1,6 +1,7 @@
 // The contacts of a step and what they remember of the step before.
 #pragma once
 
+#include <carom/core/function_ref.hpp>
 #include <carom/core/ids.hpp>
 #include <carom/narrowphase/manifold.hpp>
 
@@ -11,7 +12,7 @@
 
 namespace carom::dynamics {
 
-/// Two shapes that may meet. Pairs are sorted by key.
+/// Two shapes that have manifolds. Pairs are sorted by key.
 struct ContactPair {
     std::uint64_t key = 0;   ///< slots of the two shapes, and a bit that sorts planes after the rest
     ShapeId shape_a, shape_b;
@@ -39,8 +40,8 @@ struct ContactSet {
     }
 };
 
-/// Fills in first_manifold and manifold_count of every pair from Manifold::pair.
-void link_manifolds(ContactSet& contacts) noexcept;
+/// Makes a pair of each candidate that has manifolds, by `make` and in their order, and numbers the manifolds' pairs by it.
+void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t candidate)> make);
 
 /// Gives each point the impulses that the point of the same feature and the same pair had in `before`, times `scale` (the ratio
 /// of the substeps: forces stay, impulses do not); zero where it is new. Where several points share a feature, the n-th gets

@@ -55,7 +55,6 @@ void ContactSolver::assign_rows(const ContactSet& contacts, const BodyArrays& bo
     constexpr std::int32_t kTouched = -2;
     row_of_slot_.assign(bodies.roles.size(), kNoRow);
     for (const ContactPair& pair : contacts.pairs) {
-        if (pair.manifold_count == 0) continue;
         for (const std::uint32_t slot : {pair.body_a.slot, pair.body_b.slot}) {
             if (bodies.roles[slot] != Role::Static) row_of_slot_[slot] = kTouched;
         }

@@ -27,21 +27,6 @@ Aabb swept_box(const Proxy& proxy, const Pose& pose, const BodyState& state, con
 
 std::uint64_t pack(std::uint32_t high, std::uint32_t low) { return (std::uint64_t{high} << 32) | low; }
 
-ContactPair make_pair(const ProxySet& set, std::uint32_t a, std::uint32_t b) {
-    const Proxy& first = set.by_slot[a];
-    const Proxy& second = set.by_slot[b];
-    const std::uint32_t plane_bit = set.kinds[b] == ProxyKind::Plane ? 0x80000000u : 0u;  // planes sort after the rest
-    ContactPair pair;
-    pair.key = pack(a, b | plane_bit);
-    pair.shape_a = first.id;
-    pair.shape_b = second.id;
-    pair.body_a = first.owner;
-    pair.body_b = second.owner;
-    pair.proxy_a = a;
-    pair.proxy_b = b;
-    return pair;
-}
-
 bool filters_agree(const ProxyFilter& a, const ProxyFilter& b) {
     return (a.layer & b.mask) != 0 && (b.layer & a.mask) != 0;
 }
@@ -98,6 +83,8 @@ void put_proxy(ProxySet& set, Proxy proxy, const ProxyFilter& filter) {
         set.boxes.resize(size);
         set.poses.resize(size);
         set.shapes.resize(size, nullptr);
+        set.bodies.resize(size, 0);
+        set.extents.resize(size, 0.0);
         set.motion.resize(size, 0.0);
         set.stale.resize(size, 0);
         set.listed.resize(size, 0);
@@ -107,6 +94,8 @@ void put_proxy(ProxySet& set, Proxy proxy, const ProxyFilter& filter) {
     set.kinds[slot] = bounded ? ProxyKind::Bounded : ProxyKind::Plane;
     set.filters[slot] = filter;
     set.stale[slot] = 1;
+    set.bodies[slot] = proxy.body;
+    set.extents[slot] = proxy.extent;
     set.by_slot[slot] = std::move(proxy);
     set.changed = true;
 }
@@ -123,6 +112,15 @@ double plane_motion(const BodyState& plane, const dvec3& point, double reach, do
     const double turn = std::min(glm::length(plane.spin) * dt, 2.0);
     return glm::length(plane.velocity) * dt + turn * (glm::length(point - plane.pose.position) + reach);
 }
+
+namespace {
+
+double motion_of_plane(const ProxySet& set, const BodyArrays& bodies, std::uint32_t plane, std::uint32_t other, double dt) noexcept {
+    const dvec3& point = bodies.states[set.bodies[other]].pose.position;
+    return plane_motion(bodies.states[set.bodies[plane]], point, set.by_slot[other].reach, dt);
+}
+
+}  // namespace
 
 void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& motion, Executor& executor) {
     if (set.changed) {
@@ -148,45 +146,45 @@ void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& 
     for (const std::uint32_t p : set.planes) set.poses[p] = bodies.states[set.by_slot[p].body].pose * set.by_slot[p].local;
 }
 
-void gather_pairs(const ProxySet& set, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt,
-                  std::vector<ContactPair>& pairs) {
+void list_candidates(const ProxySet& set, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt, Executor& executor,
+                     std::vector<NumberedPair>& out) {
+    out.clear();
     std::size_t next = 0;
-    pairs.clear();
     for (std::uint32_t i = 0; i < set.by_slot.size(); ++i) {
         if (set.kinds[i] != ProxyKind::Bounded) continue;
-        const Proxy& proxy = set.by_slot[i];
         for (; next < found.size() && found[next].a == i; ++next) {
-            if (proxy.body != set.by_slot[found[next].b].body) pairs.push_back(make_pair(set, i, found[next].b));
+            if (set.bodies[i] != set.bodies[found[next].b]) out.push_back({i, found[next].b});
         }
         if (!set.filters[i].movable) continue;
         for (const std::uint32_t p : set.planes) {
-            const Proxy& plane = set.by_slot[p];
-            const BodyState& state = bodies.states[plane.body];
             if (!filters_agree(set.filters[i], set.filters[p])) continue;
-            const double motion = plane_motion(state, bodies.states[proxy.body].pose.position, proxy.reach, dt);
-            if (!reaches(set.origin, set.boxes[i], set.poses[p], std::get<Plane>(plane.shape), motion)) continue;
-            pairs.push_back(make_pair(set, i, p));
+            const Plane& plane = std::get<Plane>(*set.shapes[p]);
+            if (reaches(set.origin, set.boxes[i], set.poses[p], plane, motion_of_plane(set, bodies, p, i, dt))) out.push_back({i, p});
         }
     }
-}
-
-void list_shape_pairs(const ProxySet& set, const BodyArrays& bodies, std::span<const ContactPair> pairs, double dt,
-                      Executor& executor, std::vector<NumberedPair>& out) {
-    out.resize(pairs.size());
-    executor.parallel_for(pairs.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            const std::uint32_t slot_a = pairs[i].proxy_a, slot_b = pairs[i].proxy_b;
-            const Proxy& a = set.by_slot[slot_a];
-            const Proxy& b = set.by_slot[slot_b];
-            // B may be a plane, which has neither box nor motion of its own here.
-            const bool b_bounded = set.kinds[slot_b] == ProxyKind::Bounded;
-            const double motion_b = b_bounded
-                                        ? set.motion[slot_b]
-                                        : plane_motion(bodies.states[b.body], bodies.states[a.body].pose.position, a.reach, dt);
-            const double closing = set.motion[slot_a] + motion_b;
-            out[i] = {slot_a, slot_b, static_cast<float>(std::min(closing, kMarginShare * std::min(a.extent, b.extent)))};
+    executor.parallel_for(out.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            const std::uint32_t a = out[k].a, b = out[k].b;
+            const double motion = set.kinds[b] == ProxyKind::Bounded ? set.motion[b] : motion_of_plane(set, bodies, b, a, dt);
+            const double closing = set.motion[a] + motion;
+            out[k].margin = static_cast<float>(std::min(closing, kMarginShare * std::min(set.extents[a], set.extents[b])));
         }
     });
+}
+
+ContactPair contact_pair(const ProxySet& set, const NumberedPair& candidate) noexcept {
+    const Proxy& first = set.by_slot[candidate.a];
+    const Proxy& second = set.by_slot[candidate.b];
+    const std::uint32_t plane_bit = set.kinds[candidate.b] == ProxyKind::Plane ? 0x80000000u : 0u;  // planes sort after the rest
+    ContactPair pair;
+    pair.key = pack(candidate.a, candidate.b | plane_bit);
+    pair.shape_a = first.id;
+    pair.shape_b = second.id;
+    pair.body_a = first.owner;
+    pair.body_b = second.owner;
+    pair.proxy_a = candidate.a;
+    pair.proxy_b = candidate.b;
+    return pair;
 }
 
 }  // namespace carom::dynamics

@@ -61,6 +61,8 @@ struct ProxySet {
     std::vector<FloatAabb> boxes;         ///< of bounded proxies, over the predicted motion, relative to `origin`
     std::vector<Pose> poses;              ///< in the world
     std::vector<const Shape*> shapes;     ///< null: the slot is free
+    std::vector<std::uint32_t> bodies;    ///< slots of the owners
+    std::vector<double> extents;          ///< smallest ones [m]
     std::vector<double> motion;           ///< of bounded proxies: how far any point may move in the step [m]
     std::vector<unsigned char> stale;     ///< 1: the box must be made anew although the body is static
     std::vector<unsigned char> listed;    ///< 1: the broadphase has a box of this slot
@@ -93,13 +95,13 @@ void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& 
 /// @return how far a plane's surface may come towards a body about `point` in the step, by its own motion [m].
 [[nodiscard]] double plane_motion(const BodyState& plane, const dvec3& point, double reach, double dt) noexcept;
 
-/// Joins the broadphase's pairs, sorted by (a, b), and the pairs with planes into one list, sorted by key.
-void gather_pairs(const ProxySet& set, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt,
-                  std::vector<ContactPair>& pairs);
+/// Joins the broadphase's pairs, sorted by (a, b), and the pairs with planes into one list, sorted by key: the candidates for the
+/// narrowphase, by slots. The margin is how far the two may close in the step, at most a quarter of the smaller shape's smallest
+/// extent: contacts predicted from farther away would stop bodies that only pass by.
+void list_candidates(const ProxySet& set, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt, Executor& executor,
+                     std::vector<NumberedPair>& out);
 
-/// Lists the pairs with margins for the narrowphase, by slots. The margin is how far the two may close in the step, at most a
-/// quarter of the smaller shape's smallest extent: contacts predicted from farther away would stop bodies that only pass by.
-void list_shape_pairs(const ProxySet& set, const BodyArrays& bodies, std::span<const ContactPair> pairs, double dt,
-                      Executor& executor, std::vector<NumberedPair>& out);
+/// @return the pair of a candidate.
+[[nodiscard]] ContactPair contact_pair(const ProxySet& set, const NumberedPair& candidate) noexcept;
 
 }  // namespace carom::dynamics

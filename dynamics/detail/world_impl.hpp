@@ -107,7 +107,7 @@ struct World::Impl {
     dynamics::Census census;
     dynamics::ProxySet proxies;
     Broadphase broadphase;
-    std::vector<NumberedPair> shape_pairs;
+    std::vector<NumberedPair> candidates;
     CollideScratch collide_scratch;
     dynamics::ContactSet contacts, previous;
     dynamics::ContactSolver solver;

@@ -15,25 +15,31 @@ Manifold manifold_of(std::uint32_t pair, std::initializer_list<std::uint64_t> fe
 
 ContactSet set_of(std::initializer_list<std::uint64_t> keys, std::vector<Manifold> manifolds) {
     ContactSet set;
-    for (const std::uint64_t key : keys) {
+    set.manifolds = std::move(manifolds);
+    const std::vector<std::uint64_t> all(keys);
+    link_manifolds(set, [&](std::uint32_t candidate) {
         ContactPair pair;
-        pair.key = key;
+        pair.key = all[candidate];
         pair.shape_a = {1, 7};
         pair.shape_b = {2, 7};
-        set.pairs.push_back(pair);
-    }
-    set.manifolds = std::move(manifolds);
-    link_manifolds(set);
+        return pair;
+    });
     set.impulses.resize(set.manifolds.size());
     return set;
 }
 
-TEST(ContactSet, ManifoldsAreLinkedToTheirPairs) {
-    const ContactSet set = set_of({1, 2, 3}, {manifold_of(0, {1}), manifold_of(2, {1}), manifold_of(2, {2})});
+TEST(ContactSet, CandidatesWithManifoldsBecomePairs) {
+    const ContactSet set = set_of({10, 20, 30}, {manifold_of(0, {1}), manifold_of(2, {1}), manifold_of(2, {2})});
+    ASSERT_EQ(set.pairs.size(), 2u);
+    EXPECT_EQ(set.pairs[0].key, 10u);
+    EXPECT_EQ(set.pairs[0].first_manifold, 0u);
     EXPECT_EQ(set.pairs[0].manifold_count, 1u);
-    EXPECT_EQ(set.pairs[1].manifold_count, 0u);
-    EXPECT_EQ(set.pairs[2].first_manifold, 1u);
-    EXPECT_EQ(set.pairs[2].manifold_count, 2u);
+    EXPECT_EQ(set.pairs[1].key, 30u);
+    EXPECT_EQ(set.pairs[1].first_manifold, 1u);
+    EXPECT_EQ(set.pairs[1].manifold_count, 2u);
+    EXPECT_EQ(set.manifolds[0].pair, 0u);
+    EXPECT_EQ(set.manifolds[2].pair, 1u);
+    EXPECT_TRUE(set_of({10}, {}).pairs.empty());
 }
 
 TEST(ContactSet, ImpulsesFollowTheFeatureWithinThePair) {
