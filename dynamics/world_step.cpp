@@ -103,8 +103,9 @@ StepReport World::step(double dt) {
         });
         step.run(Stage::Prepare, [&] { w.solver.prepare(w.contacts, w.proxies, w.arrays, w.solver_settings(dt), executor); });
         for (int k = 0; k < w.def.substeps; ++k) {
-            step.run(Stage::Velocities, [&] { w.solver.integrate_velocities(); });
-            step.run(Stage::WarmStart, [&] { w.solver.warm_start(executor); });
+            const auto from = k == 0 ? dynamics::WarmStart::First : dynamics::WarmStart::Again;
+            step.run(Stage::Velocities, [&] { w.solver.integrate_velocities(from, executor); });
+            if (k == 0) step.run(Stage::WarmStart, [&] { w.solver.warm_start(executor); });
             step.run(Stage::Solve, [&] { w.solver.solve(true, executor); });
             step.run(Stage::Positions, [&] { w.solver.integrate_positions(executor); });
             if (w.def.relax) step.run(Stage::Relax, [&] { w.solver.solve(false, executor); });

@@ -31,6 +31,13 @@ struct alignas(32) SolverMass {
     float others[4] = {};    ///< Ixy Ixz Iyz, unused
 };
 
+/// What a substep starts from, before any impulse of its contacts, and the kick that each brings.
+struct alignas(16) SolverBase {
+    float velocity[4] = {};
+    float spin[4] = {};
+    float gyroscopic[4] = {};  ///< change of spin a substep [rad/s]
+};
+
 struct alignas(64) PointLanes {
     Wide<float> ax{}, ay{}, az{};        ///< contact point from A's centre of mass [m]
     Wide<float> bx{}, by{}, bz{};        ///< and from B's
@@ -61,6 +68,7 @@ inline constexpr std::uint32_t kUnusedLane = ~std::uint32_t{0};
 struct SolverBodies {
     std::vector<SolverBody> bodies;
     std::vector<SolverMass> masses;
+    std::vector<SolverBase> bases;
     std::int32_t movable = 0;
 };
 

@@ -7,8 +7,6 @@
 #include <carom/dynamics/detail/contact_kernels.hpp>
 #include <carom/dynamics/detail/contact_lanes.hpp>
 
-#include <cmath>
-
 HWY_BEFORE_NAMESPACE();
 namespace carom::HWY_NAMESPACE {
 namespace {
@@ -219,27 +217,6 @@ void solve(std::span<ContactBundle> bundles, SolverBodies& bodies, const SolveSe
 
 void restitute(std::span<ContactBundle> bundles, SolverBodies& bodies, float threshold) {
     HWY_DYNAMIC_DISPATCH(Restitute)(bundles, bodies, threshold);
-}
-
-void advance(SolverBodies& bodies, std::size_t begin, std::size_t end, float h) noexcept {
-    for (std::size_t i = begin; i < end; ++i) {
-        SolverBody& b = bodies.bodies[i];
-        for (int k = 0; k < 3; ++k) b.shift[k] += h * b.velocity[k];
-        // turn += h/2 (0, spin) * turn, then back to unit length
-        const float x = 0.5f * h * b.spin[0];
-        const float y = 0.5f * h * b.spin[1];
-        const float z = 0.5f * h * b.spin[2];
-        const float qx = b.turn[0], qy = b.turn[1], qz = b.turn[2], qw = b.turn[3];
-        const float nx = qx + (x * qw + y * qz - z * qy);
-        const float ny = qy + (y * qw + z * qx - x * qz);
-        const float nz = qz + (z * qw + x * qy - y * qx);
-        const float nw = qw - (x * qx + y * qy + z * qz);
-        const float scale = 1.0f / std::sqrt(nx * nx + ny * ny + nz * nz + nw * nw);
-        b.turn[0] = scale * nx;
-        b.turn[1] = scale * ny;
-        b.turn[2] = scale * nz;
-        b.turn[3] = scale * nw;
-    }
 }
 
 }  // namespace dynamics

@@ -31,7 +31,4 @@ void solve(std::span<ContactBundle> bundles, SolverBodies& bodies, const SolveSe
 /// Newton's impact law at points that pushed and approached faster than `threshold` [m/s].
 void restitute(std::span<ContactBundle> bundles, SolverBodies& bodies, float threshold);
 
-/// Advances shift and turn of the rows [begin, end) by `h` at their velocities.
-void advance(SolverBodies& bodies, std::size_t begin, std::size_t end, float h) noexcept;
-
 }  // namespace carom::dynamics

@@ -1,5 +1,6 @@
 #include <carom/dynamics/detail/contact_solver.hpp>
 
+#include <carom/dynamics/detail/body_kernels.hpp>
 #include <carom/dynamics/detail/integrator.hpp>
 
 #include <algorithm>
@@ -74,7 +75,7 @@ void ContactSolver::fill_rows(const BodyArrays& bodies, Executor& executor) {
     const std::size_t count = slot_of_row_.size();
     rows_.bodies.assign(count + 1, SolverBody{});
     rows_.masses.assign(count + 1, SolverMass{});
-    gyroscopic_.resize(static_cast<std::size_t>(rows_.movable));
+    rows_.bases.assign(count + 1, SolverBase{});
     executor.parallel_for(count, kBodyGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
             const BodyState& state = bodies.states[slot_of_row_[row]];
@@ -87,7 +88,7 @@ void ContactSolver::fill_rows(const BodyArrays& bodies, Executor& executor) {
             set(m.diagonal, {inertia[0][0], inertia[1][1], inertia[2][2]});
             m.diagonal[3] = static_cast<float>(mass.inverse_mass);
             set(m.others, {inertia[0][1], inertia[0][2], inertia[1][2]});
-            gyroscopic_[row] = vec3{gyroscopic_change(state, mass, settings_.dt) / static_cast<double>(settings_.substeps)};
+            set(rows_.bases[row].gyroscopic, gyroscopic_change(state, mass, settings_.dt) / static_cast<double>(settings_.substeps));
         }
     });
 }
@@ -185,15 +186,12 @@ void ContactSolver::lay_out_bundles() {
     }
 }
 
-void ContactSolver::integrate_velocities() {
-    const vec3 kick{settings_.gravity * settings_.substep()};
-    for (std::size_t row = 0; row < gyroscopic_.size(); ++row) {
-        SolverBody& body = rows_.bodies[row];
-        for (int k = 0; k < 3; ++k) {
-            body.velocity[k] += kick[k];
-            body.spin[k] += gyroscopic_[row][k];
-        }
-    }
+void ContactSolver::integrate_velocities(WarmStart warm_start, Executor& executor) {
+    float change[3];
+    set(change, settings_.gravity * settings_.substep());
+    executor.parallel_for(static_cast<std::size_t>(rows_.movable), kBodyGrain, [&](std::size_t begin, std::size_t end) {
+        kick(rows_, begin, end, change, warm_start);
+    });
 }
 
 template <class Pass>

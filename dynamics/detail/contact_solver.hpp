@@ -6,6 +6,7 @@
 #pragma once
 
 #include <carom/core/executor.hpp>
+#include <carom/dynamics/detail/body_kernels.hpp>
 #include <carom/dynamics/detail/body_state.hpp>
 #include <carom/dynamics/detail/coloring.hpp>
 #include <carom/dynamics/detail/contact_bundle.hpp>
@@ -36,7 +37,8 @@ public:
     void prepare(const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies,
                  const SolverSettings& settings, Executor& executor);
 
-    void integrate_velocities();
+    void integrate_velocities(WarmStart warm_start, Executor& executor);
+    /// Of the first substep: from then on integrate_velocities() does it.
     void warm_start(Executor& executor);
     void solve(bool bias, Executor& executor);
     void integrate_positions(Executor& executor);
@@ -77,7 +79,6 @@ private:
     SolverBodies rows_;
     std::vector<std::uint32_t> slot_of_row_;
     std::vector<std::int32_t> row_of_slot_;
-    std::vector<vec3> gyroscopic_;             // change of spin a substep, per movable row
     std::vector<Side> sides_;                  // by slot of shapes
     std::vector<ManifoldRow> manifold_rows_;   // and one for unused lanes
     std::vector<ContactRows> contact_rows_;    // per manifold
