@@ -1,11 +1,10 @@
 #include <carom/broadphase/broadphase.hpp>
 
 #include <carom/broadphase/chooser.hpp>
+#include <carom/broadphase/detail/intake.hpp>
 #include <carom/broadphase/detail/method.hpp>
 #include <carom/broadphase/detail/pair_set.hpp>
 #include <carom/core/check.hpp>
-
-#include <hwy/cache_control.h>
 
 #include <algorithm>
 #include <string>
@@ -17,24 +16,12 @@ using detail::kNowhere;
 
 namespace {
 
-constexpr std::size_t kMostSlots = (std::size_t{1} << 28) - 1;
 // The scene is looked at again after so many updates, or once its size has changed by a quarter or the share that moves by half; each
 // look that changes nothing makes the time to the next one twice as long.
 constexpr int kFewUpdatesACheck = 32, kMostUpdatesACheck = 128;
 constexpr double kShareChanged = 1.5, kSmallShare = 0.01;
 constexpr double kMemory = 0.9;  // of the moving share, from update to update
 constexpr std::size_t kMostPairs = std::size_t{1} << 31;
-
-bool is_ordered(const FloatAabb& box) noexcept {
-    return (box.lower.x <= box.upper.x) & (box.lower.y <= box.upper.y) & (box.lower.z <= box.upper.z);
-}
-
-bool is_finite_box(const FloatAabb& box) noexcept {
-    // The difference of two floats of either sign is finite in double.
-    const double sum = (double(box.lower.x) - double(box.upper.x)) + (double(box.lower.y) - double(box.upper.y)) +
-                       (double(box.lower.z) - double(box.upper.z));
-    return sum - sum == 0.0;
-}
 
 std::unique_ptr<detail::Method> make_method(BroadphaseMethod method, double cell_scale) {
     switch (method) {
@@ -58,15 +45,18 @@ std::unique_ptr<detail::Method> make_method(BroadphaseMethod method, double cell
 struct Broadphase::Impl {
     explicit Impl(const BroadphaseSettings& given) : settings(given) {}
 
-    [[nodiscard]] const char* find_fault(const ProxyChanges& changes);
-    void take_over(const ProxyChanges& changes);
-    void take_moved(const ProxyChanges& changes, std::uint32_t slot);
     [[nodiscard]] bool wanted(ProxyPair pair) const {
         return (all_agree() || may_meet(table.filters[pair.a], table.filters[pair.b])) &&
                (settings.callback.wanted == nullptr || settings.callback.wanted(settings.callback.context, pair));
     }
-    [[nodiscard]] bool all_agree() const noexcept { return common_bits != 0; }
+    [[nodiscard]] bool all_agree() const noexcept { return intake.common_bits() != 0; }
     void drop_unwanted(Executor& executor);
+    /// Whether looking up what ended for each changed slot costs less than looking through the list.
+    [[nodiscard]] bool few_changed() const noexcept {
+        constexpr std::size_t kPairsALook = 40;
+        const detail::ChangeLists lists = intake.lists();
+        return kPairsALook * (lists.moved.size() + lists.inserted.size() + lists.removed.size()) < set.pairs().size();
+    }
     [[nodiscard]] bool find_begun(const detail::ChangeLists& lists, Executor& executor);
     void find_all(Executor& executor);
     /// The first pairs in order, up to the limit. @return the row that is cut off, or the number of slots.
@@ -87,9 +77,7 @@ struct Broadphase::Impl {
     std::unique_ptr<detail::Method> method;
     bool built = false;  // the method has every live box
     detail::ProxyTable table;
-    std::uint64_t common_bits = ~std::uint64_t{0};  // in every layer and every mask since the last clear
-    std::vector<std::uint32_t> moved, inserted, removed;
-    detail::SlotBits changed;
+    detail::Intake intake;
     detail::PairPieces pieces;
     detail::PairSet set;
     std::vector<ProxyPair> rows;
@@ -109,10 +97,10 @@ void Broadphase::Impl::choose() {
     if (settings.method != BroadphaseMethod::Automatic) return;
     const auto live = static_cast<double>(table.live_count), then = static_cast<double>(count_at_check);
     const bool first = count_at_check == 0;
-    if (!inserted.empty() && first)
+    if (!intake.lists().inserted.empty() && first)
         moving_share = 1.0;
     else if (table.live_count != 0)
-        moving_share = kMemory * moving_share + (1.0 - kMemory) * static_cast<double>(moved.size()) / live;
+        moving_share = kMemory * moving_share + (1.0 - kMemory) * static_cast<double>(intake.lists().moved.size()) / live;
     const bool grown = live > 1.25 * then || live < 0.75 * then;
     const double share = moving_share + kSmallShare, share_then = scene.moving_share + kSmallShare;
     const bool changed_pace = share > kShareChanged * share_then || kShareChanged * share < share_then;
@@ -133,84 +121,6 @@ void Broadphase::Impl::choose() {
     scene = now;
 }
 
-const char* Broadphase::Impl::find_fault(const ProxyChanges& changes) {
-    const std::size_t n = changes.bounds.size();
-    if (n != changes.filters.size()) return "bounds and filters differ in size";
-    if (n > kMostSlots) return "2^28 slots or more";
-    changed.reset(std::max(n, table.boxes.size()));
-    for (const std::uint32_t slot : changes.removed) {
-        if (slot >= table.alive.size() || table.alive[slot] == 0) return "a removed slot is not alive";
-        if (changed.test(slot)) return "a slot is removed twice";
-        changed.set(slot);
-    }
-    bool beyond = false, ordered = true, finite = true, gone = false;
-    for (const std::uint32_t slot : changes.moved) {
-        if (slot >= n) {
-            beyond = true;
-            continue;
-        }
-        gone |= changed.test(slot);
-        ordered &= is_ordered(changes.bounds[slot]);
-        finite &= is_finite_box(changes.bounds[slot]);
-    }
-    if (beyond) return "a moved slot has no bounds";
-    if (gone) return "a slot is both moved and removed";
-    if (!finite) return "a bound is not finite";
-    return ordered ? nullptr : "a box has lower > upper";
-}
-
-void Broadphase::Impl::take_moved(const ProxyChanges& changes, std::uint32_t slot) {
-    const FloatAabb& box = changes.bounds[slot];
-    const ProxyFilter& filter = changes.filters[slot];
-    const bool is_new = table.alive[slot] == 0;
-    const bool same_filter = !is_new && table.filters[slot] == filter;
-    if ((same_filter && table.boxes[slot] == box) || changed.test(slot)) return;
-    changed.set(slot);
-    table.previous[slot] = same_filter ? table.boxes[slot] : kNowhere;
-    table.boxes[slot] = box;
-    if (!same_filter) {
-        table.filters[slot] = filter;
-        table.movable[slot] = filter.movable ? 1 : 0;
-        common_bits &= filter.layer & filter.mask;
-    }
-    if (is_new) {
-        table.alive[slot] = 1;
-        ++table.live_count;
-    }
-    (is_new ? inserted : moved).push_back(slot);
-}
-
-// The removed slots are marked as changed already.
-void Broadphase::Impl::take_over(const ProxyChanges& changes) {
-    const std::size_t n = std::max(changes.bounds.size(), table.boxes.size());
-    if (table.boxes.size() < n) {
-        table.boxes.resize(n, kNowhere);
-        table.previous.resize(n, kNowhere);
-        table.filters.resize(n);
-        table.movable.resize(n, 0);
-        table.alive.resize(n, 0);
-    }
-    moved.clear();
-    inserted.clear();
-    removed.assign(changes.removed.begin(), changes.removed.end());
-    for (const std::uint32_t slot : removed) {
-        table.boxes[slot] = kNowhere;
-        table.alive[slot] = 0;
-    }
-    table.live_count -= removed.size();
-    constexpr std::size_t kAhead = 12;  // slots may be anywhere in memory
-    for (std::size_t i = 0; i < changes.moved.size(); ++i) {
-        if (i + kAhead < changes.moved.size()) {
-            const std::uint32_t later = changes.moved[i + kAhead];
-            hwy::Prefetch(&changes.filters[later]);
-            hwy::Prefetch(&table.filters[later]);
-            hwy::Prefetch(&table.boxes[later]);
-            hwy::Prefetch(&table.previous[later]);
-        }
-        take_moved(changes, changes.moved[i]);
-    }
-}
-
 void Broadphase::Impl::drop_unwanted(Executor& executor) {
     if (all_agree() && settings.callback.wanted == nullptr) return;
     executor.parallel_for(pieces.count(), 1, [&](std::size_t begin, std::size_t end) {
@@ -228,7 +138,7 @@ bool Broadphase::Impl::find_begun(const detail::ChangeLists& lists, Executor& ex
     const bool check_wanted = !all_agree() || settings.callback.wanted != nullptr;
     const auto ask = [this](ProxyPair pair) { return wanted(pair); };
     const FunctionRef<bool(ProxyPair)> asked(ask);
-    return set.patch(pieces, changed, {table.boxes, check_wanted ? &asked : nullptr}, settings.pair_limit);
+    return set.patch(pieces, lists.want_ended ? method->ended() : nullptr, intake.changed(), {table.boxes, check_wanted ? &asked : nullptr}, settings.pair_limit);
 }
 
 void Broadphase::Impl::append_row(std::uint32_t a, std::vector<ProxyPair>& out) const {
@@ -294,14 +204,16 @@ Broadphase& Broadphase::operator=(Broadphase&&) noexcept = default;
 
 const PairUpdate& Broadphase::update(const ProxyChanges& changes, Executor& executor) {
     Impl& w = *impl_;
-    const char* const fault = w.find_fault(changes);
+    const char* const fault = w.intake.find_fault(changes, w.table, executor);
     CAROM_REQUIRE(fault == nullptr, ErrorCode::InvalidArgument, fault, w.result);
-    w.take_over(changes);
+    w.intake.take_over(changes, w.settings.callback.wanted != nullptr, w.table, executor);
     w.choose();
-    const detail::ChangeLists lists{w.moved, w.inserted, w.removed};
+    detail::ChangeLists lists = w.intake.lists();
+    // A method may know which pairs end because boxes part, but not which are no longer wanted.
+    lists.want_ended = !w.intake.filter_changed() && w.few_changed();
     if (!w.built || w.result.status != PairStatus::Complete || w.method->prefers_all(w.table, lists)) {
         w.find_all(executor);
-    } else if (w.moved.empty() && w.inserted.empty() && w.removed.empty()) {
+    } else if (lists.moved.empty() && lists.inserted.empty() && lists.removed.empty()) {
         w.set.keep();
     } else if (!w.find_begun(lists, executor)) {
         w.find_all(executor);
@@ -318,13 +230,8 @@ const PairUpdate& Broadphase::result() const noexcept { return impl_->result; }
 
 void Broadphase::clear() {
     Impl& w = *impl_;
-    w.table.boxes.clear();
-    w.table.previous.clear();
-    w.table.filters.clear();
-    w.table.movable.clear();
-    w.table.alive.clear();
-    w.table.live_count = 0;
-    w.common_bits = ~std::uint64_t{0};
+    w.table.clear();
+    w.intake.clear();
     w.set.clear();
     w.count_at_check = 0;
     w.wanted_before = BroadphaseMethod::Automatic;
@@ -370,9 +277,7 @@ std::size_t Broadphase::live_count() const noexcept { return impl_->table.live_c
 
 std::size_t Broadphase::memory() const noexcept {
     const Impl& w = *impl_;
-    return 2 * sizeof(FloatAabb) * w.table.boxes.capacity() + sizeof(ProxyFilter) * w.table.filters.capacity() +
-           2 * w.table.alive.capacity() +
-           sizeof(std::uint32_t) * (w.moved.capacity() + w.inserted.capacity() + w.removed.capacity() + w.changed.size()) +
+    return w.table.memory() + w.intake.memory() +
            w.pieces.memory() + w.set.memory() + sizeof(ProxyPair) * w.rows.capacity() + w.method->memory();
 }
 

@@ -6,9 +6,12 @@
 #include <carom/broadphase/detail/grid_level.hpp>
 #include <carom/broadphase/detail/method.hpp>
 
+#include <hwy/cache_control.h>
+
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <limits>
 
 namespace carom::detail {
 namespace {
@@ -30,6 +33,7 @@ public:
     }
     void find_all(const ProxyTable& table, Executor& executor, PairPieces& out) override;
     void find_moved(const ProxyTable& table, const ChangeLists& changes, Executor& executor, PairPieces& out) override;
+    [[nodiscard]] const PairPieces* ended() const noexcept override { return &ended_; }
     void visit_near(const ProxyTable& table, const FloatAabb& box, FunctionRef<bool(std::uint32_t)> visit) const override;
     void visit_where(const ProxyTable& table, FunctionRef<bool(const FloatAabb&)> touches,
                      FunctionRef<bool(std::uint32_t)> visit) const override {
@@ -55,6 +59,7 @@ private:
         std::size_t level, first, last;
     };
     void build(const ProxyTable& table, Slack slack, Executor& executor);
+    void list_live(const ProxyTable& table);
     [[nodiscard]] std::size_t level_of(const FloatAabb& box) const noexcept;
     void take_over(const ProxyTable& table, const ChangeLists& changes);
     void list_movers(const ProxyTable& table, const ChangeLists& changes);
@@ -67,8 +72,10 @@ private:
     std::vector<std::uint32_t> place_;  // of each slot, in its level
     std::vector<unsigned char> level_;  // of each slot
     std::vector<Piece> pieces_;
-    std::vector<Mover> movers_;        // level by level, in the order of their places
+    std::vector<Mover> movers_;        // level by level, in the order of their places; then those removed
     std::vector<std::uint64_t> bits_;  // one a place
+    std::vector<Tag> tags_;            // of the movers
+    PairPieces ended_;
     std::size_t debt_ = 0;             // entries read beyond need since the grid was built
 };
 
@@ -84,6 +91,17 @@ std::size_t Grid::level_of(const FloatAabb& box) const noexcept {
     if (!by_size_) return 0;
     const int level = (exponent_of(longest_edge(box)) - smallest_) >> 1;
     return static_cast<std::size_t>(std::clamp(level, 0, static_cast<int>(kMostLevels) - 1));
+}
+
+void Grid::list_live(const ProxyTable& table) {
+    std::vector<std::uint32_t>& live = slots_[0];
+    live.resize(table.live_count);
+    std::size_t count = 0;
+    for (std::size_t slot = 0; slot < table.alive.size() && count < table.live_count; ++slot) {
+        live[count] = static_cast<std::uint32_t>(slot);
+        count += table.alive[slot];
+    }
+    std::fill(level_.begin(), level_.end(), static_cast<unsigned char>(0));
 }
 
 void Grid::build(const ProxyTable& table, Slack slack, Executor& executor) {
@@ -102,7 +120,8 @@ void Grid::build(const ProxyTable& table, Slack slack, Executor& executor) {
         smallest_ = middle - 1 - 2 * kMiddleLevel;  // the upper of its level's two exponents
     }
     for (std::size_t k = 0; k < level_count_; ++k) slots_[k].clear();
-    for (std::size_t slot = 0; slot < n; ++slot) {
+    if (!by_size_) list_live(table);
+    for (std::size_t slot = 0; by_size_ && slot < n; ++slot) {
         if (table.alive[slot] == 0) continue;
         level_[slot] = static_cast<unsigned char>(level_of(table.boxes[slot]));
         slots_[level_[slot]].push_back(static_cast<std::uint32_t>(slot));
@@ -169,17 +188,29 @@ void Grid::list_movers(const ProxyTable& table, const ChangeLists& changes) {
             bits_[first_word[level_[slot]] + place_[slot] / 64] |= std::uint64_t{1} << (place_[slot] % 64);
         }
     }
-    movers_.clear();
+    tags_.clear();
     for (std::size_t k = 0; k < level_count_; ++k) {
         for (std::size_t word = first_word[k]; word < first_word[k + 1]; ++word) {
             for (std::uint64_t left = bits_[word]; left != 0; left &= left - 1) {
                 const std::size_t at = 64 * (word - first_word[k]) + static_cast<std::size_t>(std::countr_zero(left));
                 levels_[k].mark(at, true);
-                const Tag tag = static_cast<Tag>(levels_[k].entries.tag[at]);
-                const std::uint32_t slot = tag & kIndexMask;
-                movers_.push_back(mover(table.boxes[slot], table.previous[slot], kXyz, tag));
+                tags_.push_back(static_cast<Tag>(levels_[k].entries.tag[at]));
             }
         }
+    }
+    movers_.clear();
+    constexpr std::size_t kAhead = 12;  // slots are in another order
+    for (std::size_t i = 0; i < tags_.size(); ++i) {
+        if (i + kAhead < tags_.size()) {
+            hwy::Prefetch(&table.boxes[tags_[i + kAhead] & kIndexMask]);
+            hwy::Prefetch(&table.previous[tags_[i + kAhead] & kIndexMask]);
+        }
+        const std::uint32_t slot = tags_[i] & kIndexMask;
+        movers_.push_back(mover(table.boxes[slot], table.previous[slot], kXyz, tags_[i]));
+    }
+    if (!changes.want_ended) return;
+    for (const std::uint32_t slot : changes.removed) {
+        movers_.push_back(mover(kNowhere, table.previous[slot], kXyz, slot | (table.movable[slot] != 0 ? 0 : kImmovable)));
     }
 }
 
@@ -193,17 +224,19 @@ void Grid::find_moved(const ProxyTable& table, const ChangeLists& changes, Execu
     list_movers(table, changes);
     const std::size_t pieces = (movers_.size() + kMoversAPiece - 1) / kMoversAPiece;
     out.begin(pieces, out.limit());
+    ended_.begin(changes.want_ended ? pieces : 0, std::numeric_limits<std::size_t>::max());  // no more than there were
     executor.parallel_for(pieces, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end && !out.is_full(); ++k) {
             const std::size_t first = k * kMoversAPiece;
             const std::span<const Mover> piece = std::span(movers_).subspan(first, std::min(kMoversAPiece, movers_.size() - first));
             for (std::size_t level = 0; level < level_count_; ++level) {
-                if (levels_[level].size() != 0) find_begun_in_level(levels_[level], piece, out[k]);
+                if (levels_[level].size() != 0) find_changed_in_level(levels_[level], piece, out[k], changes.want_ended ? &ended_[k] : nullptr);
             }
             out.found(out[k].size());
         }
     });
     for (const Mover& m : movers_) {
+        if (!(m.lower[0] <= m.upper[0])) break;  // the rest are gone
         const std::uint32_t slot = m.tag & kIndexMask;
         levels_[level_[slot]].mark(place_[slot], false);
     }
@@ -218,7 +251,7 @@ void Grid::visit_near(const ProxyTable& table, const FloatAabb& box, FunctionRef
 
 std::size_t Grid::memory() const noexcept {
     std::size_t sum = sizeof(std::uint32_t) * place_.capacity() + level_.capacity() + sizeof(Mover) * movers_.capacity() +
-                      sizeof(std::uint64_t) * bits_.capacity() + sizeof(Piece) * pieces_.capacity();
+                      sizeof(std::uint64_t) * bits_.capacity() + sizeof(Tag) * tags_.capacity() + sizeof(Piece) * pieces_.capacity() + ended_.memory();
     for (const GridLevel& level : levels_) sum += level.memory();
     for (const std::vector<std::uint32_t>& slots : slots_) sum += sizeof(std::uint32_t) * slots.capacity();
     return sum;

@@ -292,25 +292,51 @@ HWY_INLINE Mover turned(const Mover& m, const int axes[3]) {
     return t;
 }
 
-void begun_of_level(const GridLevel& g, std::span<const Mover> movers, PairBuffer& out) {
+HWY_INLINE std::size_t count_rows(const CellRange& r) {
+    return std::size_t{r.last[1] - r.first[1] + 1} * (r.last[2] - r.first[2] + 1);
+}
+
+// Around where the box was and is, if it did not go far: then one search does for both.
+HWY_INLINE bool cells_of_way(const CellMap& map, const Mover& m, CellRange& range) {
+    float lower[3], upper[3];
+    for (int k = 0; k < 3; ++k) {
+        lower[k] = m.old_lower[k] < m.lower[k] ? m.old_lower[k] : m.lower[k];
+        upper[k] = m.old_upper[k] > m.upper[k] ? m.old_upper[k] : m.upper[k];
+    }
+    range = cells_near(map, lower, upper);
+    return count_rows(range) <= 2 * count_rows(cells_near(map, m.lower, m.upper));
+}
+
+// Calls scan(first, last) for the entries that a box may overlap, some maybe twice.
+template <class F>
+HWY_INLINE void for_runs_near(const GridLevel& g, const CellRange& r, F scan_run) {
+    if (is_wide(g, r)) return scan_run(std::size_t{0}, g.stray_begin);
+    for_runs_of_range(g, r, [&](std::size_t first, std::size_t last, std::uint32_t) { scan_run(first, last); });
+}
+
+// A pair found twice is one pair once the list is sorted.
+void changed_of_level(const GridLevel& g, std::span<const Mover> movers, PairBuffer& begun, PairBuffer* ended) {
+    const EntryView e(g.entries);
     for (const Mover& unturned : movers) {
-        if (out.is_full()) return;
+        if (begun.is_full()) return;
         const Mover m = turned(unturned, g.map.axes);
         const MovedBox box(m);
-        const CellRange r = cells_near(g.map, m.lower, m.upper);
-        if (is_wide(g, r)) {
-            scan_begun(g.entries, 0, g.end(), box, out);
+        if (ended == nullptr) {
+            const auto find = [&](std::size_t first, std::size_t last) { scan_begun(e, first, last, box, begun); };
+            for_runs_near(g, cells_near(g.map, m.lower, m.upper), find);
+            find(g.stray_begin, g.stray_end);
             continue;
         }
-        if (g.map.hashed) {
-            // A pair found twice, where two cells share an entry of the table, is one pair once the list is sorted.
-            for_runs_of_range(g, r,
-                              [&](std::size_t first, std::size_t last, std::uint32_t) { scan_begun(g.entries, first, last, box, out); });
+        const auto find = [&](std::size_t first, std::size_t last) { scan_changed(e, first, last, box, begun, *ended); };
+        const bool is_now = m.lower[0] <= m.upper[0], was_before = m.old_lower[0] <= m.old_upper[0];
+        CellRange way;
+        if (is_now && was_before && cells_of_way(g.map, m, way)) {
+            for_runs_near(g, way, find);
         } else {
-            for_runs_of_range(g, r,
-                              [&](std::size_t first, std::size_t last, std::uint32_t) { scan_begun(g.entries, first, last, box, out); });
+            if (is_now) for_runs_near(g, cells_near(g.map, m.lower, m.upper), find);
+            if (was_before) for_runs_near(g, cells_near(g.map, m.old_lower, m.old_upper), find);
         }
-        scan_begun(g.entries, g.stray_begin, g.stray_end, box, out);
+        find(g.stray_begin, g.stray_end);
     }
 }
 
@@ -324,7 +350,7 @@ namespace carom::detail {
 
 HWY_EXPORT(all_of_level);
 HWY_EXPORT(all_between);
-HWY_EXPORT(begun_of_level);
+HWY_EXPORT(changed_of_level);
 
 void find_all_in_level(const GridLevel& level, std::size_t first, std::size_t last, PairBuffer& out) {
     HWY_DYNAMIC_DISPATCH(all_of_level)(level, first, last, out);
@@ -332,8 +358,8 @@ void find_all_in_level(const GridLevel& level, std::size_t first, std::size_t la
 void find_all_between(const GridLevel& finer, std::size_t first, std::size_t last, const GridLevel& coarser, PairBuffer& out) {
     HWY_DYNAMIC_DISPATCH(all_between)(finer, first, last, coarser, out);
 }
-void find_begun_in_level(const GridLevel& level, std::span<const Mover> movers, PairBuffer& out) {
-    HWY_DYNAMIC_DISPATCH(begun_of_level)(level, movers, out);
+void find_changed_in_level(const GridLevel& level, std::span<const Mover> movers, PairBuffer& begun, PairBuffer* ended) {
+    HWY_DYNAMIC_DISPATCH(changed_of_level)(level, movers, begun, ended);
 }
 
 }  // namespace carom::detail

@@ -2,7 +2,7 @@
 //
 //   level.build(table, slots, Slack::None, place, executor);
 //   find_all_in_level(level, first, last, out);          // pairs within the level
-//   level.apply(...); find_begun_in_level(level, movers, out);
+//   level.move(...); find_changed_in_level(level, movers, begun, ended);
 //
 // A box overlaps only boxes whose lower corners lie between its own lower corner less `reach`, the longest edge of the level,
 // and its upper corner. Cells in a row along the first axis are neighbours in memory, so a search reads a few short runs.
@@ -164,7 +164,8 @@ void find_all_in_level(const GridLevel& level, std::size_t first, std::size_t la
 /// Pairs of the boxes in cells [first, last) of `finer` with those of a level of longer boxes.
 void find_all_between(const GridLevel& finer, std::size_t first, std::size_t last, const GridLevel& coarser, PairBuffer& out);
 
-/// As find_begun, of the level's entries. The movers' axes are x, y, z.
-void find_begun_in_level(const GridLevel& level, std::span<const Mover> movers, PairBuffer& out);
+/// As find_begun, of the level's entries, and where `ended` is there the pairs with entries not tagged kMoved that overlapped before and
+/// do not now. The movers' axes are x, y, z; one that is nowhere now was removed, one that was nowhere before is new: one of the two it must be somewhere.
+void find_changed_in_level(const GridLevel& level, std::span<const Mover> movers, PairBuffer& begun, PairBuffer* ended);
 
 }  // namespace carom::detail

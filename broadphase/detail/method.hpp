@@ -34,6 +34,10 @@ public:
     /// for the moved ones. May also find others that overlap, and a pair more than once. Never called before find_all.
     virtual void find_moved(const ProxyTable& table, const ChangeLists& changes, Executor& executor, PairPieces& out) = 0;
 
+    /// Where a method knows them, after find_moved with `want_ended`: the pairs of a slot that changed and one that did not which overlapped before and
+    /// do not now, in any order, some maybe twice or never wanted. Null: it does not.
+    [[nodiscard]] virtual const PairPieces* ended() const noexcept { return nullptr; }
+
     /// Visits every live slot whose box overlaps `box`, each once, in any order, until `visit` returns false. May visit others. Only after
     /// find_all; const: any number of threads.
     virtual void visit_near(const ProxyTable& table, const FloatAabb& box, FunctionRef<bool(std::uint32_t)> visit) const = 0;

@@ -1,7 +1,5 @@
 #include <carom/broadphase/detail/pair_set.hpp>
 
-#include <hwy/cache_control.h>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -12,47 +10,6 @@ namespace carom::detail {
 namespace {
 
 constexpr std::size_t kMostShares = 8;  // of the rows; every share reads all that was found
-
-template <class T>
-void grow(std::vector<T>& v, std::size_t size) {
-    if (v.size() < size) v.resize(size + size / 4);
-}
-
-void sort_run(std::vector<std::uint64_t>& keys, std::vector<std::uint32_t>& payload, RadixScratch& scratch) {
-    constexpr std::size_t kFew = 64;
-    if (keys.size() > kFew) {
-        payload.resize(keys.size());
-        radix_sort(keys, payload, scratch);
-        return;
-    }
-    for (std::size_t i = 1; i < keys.size(); ++i) {
-        const std::uint64_t key = keys[i];
-        std::size_t place = i;
-        for (; place > 0 && keys[place - 1] > key; --place) keys[place] = keys[place - 1];
-        keys[place] = key;
-    }
-}
-
-ProxyPair pair_of(std::uint64_t key) noexcept { return {static_cast<std::uint32_t>(key >> 32), static_cast<std::uint32_t>(key)}; }
-
-// The first place at or after `from` whose pair is not before `key`: steps of growing size, then halving.
-std::size_t find_place(const ProxyPair* pairs, std::size_t from, std::size_t count, std::uint64_t key) noexcept {
-    std::size_t step = 1, low = from, high = from;
-    while (high < count && key_of(pairs[high]) < key) {
-        low = high + 1;
-        high += step;
-        step *= 2;
-    }
-    high = std::min(high, count);
-    while (low < high) {
-        const std::size_t middle = low + (high - low) / 2;
-        if (key_of(pairs[middle]) < key)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
-}
 
 // Calls use(a, b) for each pair found whose row lies in [first, last).
 template <class F>
@@ -72,6 +29,7 @@ void for_rows(const PairPieces& found, std::size_t first, std::size_t last, F us
 
 void PairSet::clear() noexcept {
     count_ = 0;
+    row_starts_.clear();
     keep();
 }
 
@@ -130,6 +88,7 @@ void PairSet::deal_out(const PairPieces& found, std::size_t first, std::size_t l
 
 // The list before moves to next_; pairs_ has room for `count`, and what changes has room for all.
 void PairSet::begin_list(std::size_t count) {
+    row_starts_.clear();
     std::swap(pairs_, next_);
     previous_count_ = std::exchange(count_, count);
     grow(pairs_, count);
@@ -178,87 +137,10 @@ void PairSet::replace(std::span<const ProxyPair> sorted) {
     take_changes({&changes, 1});
 }
 
-void PairSet::list_ended(const SlotBits& changed, const Keep& keep) {
-    constexpr std::size_t kAhead = 12;  // boxes are read all over memory
-    grow(touched_, count_ + 16);
-    const std::size_t touched = find_touched(pairs(), changed, touched_.data());
-    grow(ended_, touched);
-    ended_count_ = 0;
-    ended_places_.clear();
-    for (std::size_t i = 0; i < touched; ++i) {
-        if (i + kAhead < touched) {
-            const ProxyPair later = pairs_[touched_[i + kAhead]];
-            hwy::Prefetch(&keep.boxes[later.a]);
-            hwy::Prefetch(&keep.boxes[later.b]);
-        }
-        const ProxyPair pair = pairs_[touched_[i]];
-        if (keep(pair)) continue;
-        ended_places_.push_back(touched_[i]);
-        ended_[ended_count_++] = pair;
-    }
-}
-
-void PairSet::sort_candidates(const PairPieces& found) {
-    candidates_.clear();
-    for (std::size_t k = 0; k < found.count(); ++k) {
-        const PairBuffer& piece = found[k];
-        for (std::size_t i = 0; i < piece.size(); ++i) {
-            candidates_.push_back(key_of(piece[i]));
-        }
-    }
-    sort_run(candidates_, payload_, scratch_);
-    candidates_.erase(std::unique(candidates_.begin(), candidates_.end()), candidates_.end());
-}
-
-bool PairSet::patch(const PairPieces& found, const SlotBits& changed, const Keep& keep_pair, std::size_t limit) {
-    sort_candidates(found);
-    if (count_ + candidates_.size() > limit) {
-        // Some of these may be in the list already, and some of the list may go: only the exact count decides.
-        std::size_t begun = 0, place = 0;
-        for (const std::uint64_t key : candidates_) {
-            place = find_place(pairs_.data(), place, count_, key);
-            begun += !(place < count_ && key_of(pairs_[place]) == key);
-        }
-        const std::size_t ended = static_cast<std::size_t>(
-            std::count_if(pairs_.begin(), pairs_.begin() + static_cast<std::ptrdiff_t>(count_),
-                          [&](const ProxyPair& pair) { return (changed.test(pair.a) || changed.test(pair.b)) && !keep_pair(pair); }));
-        if (count_ + begun - ended > limit) return false;
-    }
-    list_ended(changed, keep_pair);
-    grow(begun_store_, candidates_.size());
-    std::size_t begun = 0;
-    grow(next_, count_ + candidates_.size());
-    ProxyPair* out = next_.data();
-    std::size_t from = 0, gone = 0;
-    const auto copy_to = [&](std::size_t place) {  // all that stays before `place`
-        for (; gone < ended_places_.size() && ended_places_[gone] < place; ++gone) {
-            out = std::copy(pairs_.data() + from, pairs_.data() + ended_places_[gone], out);
-            from = ended_places_[gone] + 1;
-        }
-        if (from < place) {
-            out = std::copy(pairs_.data() + from, pairs_.data() + place, out);
-            from = place;
-        }
-    };
-    std::size_t place = 0;
-    for (const std::uint64_t key : candidates_) {
-        place = find_place(pairs_.data(), place, count_, key);
-        if (place < count_ && key_of(pairs_[place]) == key) continue;  // overlaps now as before
-        copy_to(place);
-        *out++ = pair_of(key);
-        begun_store_[begun++] = pair_of(key);
-    }
-    copy_to(count_);
-    count_ = static_cast<std::size_t>(out - next_.data());
-    std::swap(pairs_, next_);
-    begun_ = {begun_store_.data(), begun};
-    return true;
-}
-
 std::size_t PairSet::memory() const noexcept {
-    return sizeof(ProxyPair) * (pairs_.capacity() + next_.capacity() + begun_store_.capacity() + ended_.capacity()) +
-           sizeof(std::uint32_t) * (row_values_.capacity() + row_ends_.capacity() + touched_.capacity() + ended_places_.capacity() + payload_.capacity() + scratch_.payload.capacity()) +
-           sizeof(std::uint64_t) * (candidates_.capacity() + scratch_.keys.capacity());
+    const auto bytes = [](const auto&... v) { return (std::size_t{0} + ... + (v.capacity() * sizeof(v[0]))); };
+    return bytes(pairs_, next_, begun_store_, ended_, row_values_, row_ends_, touched_, ended_places_, begun_places_, runs_, row_starts_,
+                 candidates_, payload_, scratch_.keys, scratch_.payload);
 }
 
 }  // namespace carom::detail

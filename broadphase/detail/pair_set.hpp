@@ -1,10 +1,11 @@
 // The sorted list of pairs, and how it changes: made anew, or patched where boxes moved.
 //
 //   set.replace(pieces, slots, executor);                          // all pairs, found anew
-//   set.patch(pieces, [&](a, b) { return still_overlap; }, ...);   // only what began; what ended is found here
+//   set.patch(pieces, ended, changed, keep, limit);                // only what began; what ended is named too, or found here
 #pragma once
 
 #include <carom/broadphase/detail/pair_pieces.hpp>
+#include <carom/broadphase/detail/slot_bits.hpp>
 #include <carom/broadphase/proxy.hpp>
 #include <carom/core/executor.hpp>
 #include <carom/core/function_ref.hpp>
@@ -20,22 +21,11 @@ namespace carom::detail {
 /// @return the pair as a number that sorts like it.
 [[nodiscard]] inline std::uint64_t key_of(const ProxyPair& pair) noexcept { return (std::uint64_t{pair.a} << 32) | pair.b; }
 
-/// One bit a slot: which were changed.
-class SlotBits {
-public:
-    /// All zero, for slots below `count`.
-    void reset(std::size_t count) { words_.assign(count / 32 + 2, 0); }
-    void set(std::uint32_t slot) noexcept { words_[slot >> 5] |= std::int32_t(std::uint32_t{1} << (slot & 31u)); }
-    void clear(std::uint32_t slot) noexcept { words_[slot >> 5] &= ~std::int32_t(std::uint32_t{1} << (slot & 31u)); }
-    [[nodiscard]] bool test(std::uint32_t slot) const noexcept {
-        return ((static_cast<std::uint32_t>(words_[slot >> 5]) >> (slot & 31u)) & 1u) != 0;
-    }
-    [[nodiscard]] const std::int32_t* words() const noexcept { return words_.data(); }
-    [[nodiscard]] std::size_t size() const noexcept { return words_.size(); }
-
-private:
-    std::vector<std::int32_t> words_;
-};
+/// Makes room for `size`, and a quarter more where there is none.
+template <class T>
+void grow(std::vector<T>& v, std::size_t size) {
+    if (v.size() < size) v.resize(size + size / 4);
+}
 
 class PairSet {
 public:
@@ -60,9 +50,11 @@ public:
             return overlaps(boxes[pair.a], boxes[pair.b]) && (wanted == nullptr || (*wanted)(pair));
         }
     };
-    /// Pairs with a changed slot stay only if `keep` says so; the pairs in the pieces, in any order and some more than once or there
-    /// already, are added. @return false where that would be more than `limit` pairs: then nothing changed.
-    bool patch(const PairPieces& found, const SlotBits& changed, const Keep& keep, std::size_t limit);
+    /// Pairs with a changed slot stay only if `keep` says so; the pairs in `found`, in any order and some more than once or there
+    /// already, are added. `ended`, if it is there, names every pair of a changed slot and an unchanged one that `keep` does not keep, and
+    /// maybe some that are not in the list; without it all of the list is looked through.
+    /// @return false where that would be more than `limit` pairs: then the pairs are what they were.
+    bool patch(const PairPieces& found, const PairPieces* ended, const SlotBits& changed, const Keep& keep, std::size_t limit);
 
     [[nodiscard]] std::size_t memory() const noexcept;
 
@@ -76,8 +68,18 @@ private:
     void begin_list(std::size_t count);
     [[nodiscard]] ListChanges compare_rows(std::size_t first, std::size_t last, std::size_t begin, std::size_t end);
     void take_changes(std::span<const ListChanges> shares);
-    void list_ended(const SlotBits& changed, const Keep& keep);
+    // pair_patch.cpp
     void sort_candidates(const PairPieces& found);
+    void index_rows(std::size_t slots);
+    void shift_index();
+    [[nodiscard]] std::size_t guess_place(std::uint64_t key) const noexcept;
+    [[nodiscard]] std::size_t place_of(std::uint64_t key) const noexcept;
+    template <class F>
+    void for_places(F use) const;
+    void look_through(const SlotBits& changed, const Keep& keep);
+    void look_up_ended(const PairPieces& ended, const SlotBits& changed, const Keep& keep);
+    void look_up_begun(const PairPieces& found);
+    void splice();
 
     std::vector<ProxyPair> pairs_, next_;  // grown, never shrunk, as all below: the first count_ of pairs_ hold
     std::size_t count_ = 0;
@@ -86,7 +88,14 @@ private:
     std::vector<ProxyPair> begun_store_, ended_;
     std::size_t ended_count_ = 0;
     std::vector<std::uint32_t> row_values_, row_ends_;
-    std::vector<std::uint32_t> touched_, ended_places_;  // places in pairs_
+    // While the list is patched: places in pairs_ of pairs that may end, that do, and before which others begin.
+    std::vector<std::uint32_t> touched_, ended_places_, begun_places_;
+    struct Run {
+        std::uint32_t first, last;
+        std::int64_t shift;
+    };
+    std::vector<Run> runs_;                  // what stays, and how far it goes
+    std::vector<std::uint32_t> row_starts_;  // of every kRowsAStart-th row, in pairs_; empty: not known
     std::vector<std::uint64_t> candidates_;
     std::vector<std::uint32_t> payload_;
     RadixScratch scratch_;

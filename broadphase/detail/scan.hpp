@@ -91,6 +91,25 @@ HWY_INLINE void scan_begun(const EntryView& e, std::size_t first, std::size_t la
     }
 }
 
+// The same, and the pairs that ended with entries that stood still.
+HWY_INLINE void scan_changed(const EntryView& e, std::size_t first, std::size_t last, const MovedBox& box, PairBuffer& begun,
+                             PairBuffer& ended) {
+    for (std::size_t j = first; j < last; j += kLanes) {
+        const Mask there = first_lanes(static_cast<int>(last - j < kLanes ? last - j : kLanes));
+        const Mask now = overlapping(e, j, box.now) & there, before = overlapping(e, j, box.before) & there;
+        if (none(now | before)) continue;
+        const Ints tags = load_unaligned(e.tag + j), mine{static_cast<std::int32_t>(box.tag)};
+        const Ints index{static_cast<std::int32_t>(kIndexMask)};
+        const Mask may_meet = (tags & mine & Ints{static_cast<std::int32_t>(kImmovable)}) == Ints{0};
+        const Mask stood_still = may_meet & ((tags & Ints{static_cast<std::int32_t>(kMoved)}) == Ints{0});
+        // Of two that moved, each would find the other: the lesser does.
+        const Mask both_moved = may_meet & !stood_still & ((mine & index) < (tags & index));
+        const Mask begins = now & ((stood_still & !before) | both_moved), ends = before & !now & stood_still;
+        if (any(begins)) add_pairs(mine & index, tags & index, begins, begun);
+        if (any(ends)) add_pairs(mine & index, tags & index, ends, ended);
+    }
+}
+
 }  // namespace
 }  // namespace carom::detail::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -45,7 +45,7 @@ void TbbExecutor::parallel_for(std::size_t count, std::size_t grain, Body body) 
     }
     arena_->arena.execute([&] {
         // A range is halved while it is longer than what stands here, and no half may be shorter than the grain.
-        oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<std::size_t>(0, count, 2 * grain),
+        oneapi::tbb::parallel_for(oneapi::tbb::blocked_range<std::size_t>(0, count, 2 * grain - 1),
                                   [&](const auto& range) { body(range.begin(), range.end()); });
     });
 }

@@ -52,6 +52,7 @@ struct alignas(64) ContactBundle {
     std::array<PointLanes, 4> points{};
     Wide<std::uint32_t> manifold{};       ///< index of the manifold; kUnusedLane where there is none
     std::int32_t point_count = 0;         ///< the largest of its lanes
+    std::int32_t deep = 0;                ///< points whose push-out is limited
     bool bounces = false;                 ///< some lane has restitution
 };
 inline constexpr std::uint32_t kUnusedLane = ~std::uint32_t{0};

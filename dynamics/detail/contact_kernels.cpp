@@ -15,6 +15,9 @@ namespace {
 
 using dynamics::SolveSettings;
 
+Floats3 lever_a(const PointLanes& p, int lane) { return {get(p.ax, lane), get(p.ay, lane), get(p.az, lane)}; }
+Floats3 lever_b(const PointLanes& p, int lane) { return {get(p.bx, lane), get(p.by, lane), get(p.bz, lane)}; }
+
 /// Where the bodies of each lane went since the start of the step.
 struct Displacement {
     Floats3 shift;
@@ -165,58 +168,6 @@ void restitute_bundle(ContactBundle& c, SolverBodies& all, float threshold, int 
     write_bodies(all, c.row_b.data() + lane, b);
 }
 
-/// Both bodies' inverse masses, felt at a point along two directions.
-Floats response(const Bodies& a, const Bodies& b, const Floats3& ra_x_u, const Floats3& rb_x_u, const Floats3& ra_x_v,
-                const Floats3& rb_x_v) {
-    return dot(a.turned(ra_x_u), ra_x_v) + dot(b.turned(rb_x_u), rb_x_v);
-}
-
-Floats inverse_or_zero(Floats x, Mask used) {
-    const Mask good = used & (x > broadcast(0.0f));
-    return select(good, broadcast(1.0f) / select(good, x, broadcast(1.0f)), broadcast(0.0f));
-}
-
-CAROM_PASS_INLINE void prepare_point(PointLanes& p, int lane, const Basis& basis, const Bodies& a, const Bodies& b) {
-    const Floats3 ra = lever_a(p, lane);
-    const Floats3 rb = lever_b(p, lane);
-    const Mask used = get(p.normal_mass, lane) > broadcast(0.0f);
-    const Floats linear = a.inverse_mass + b.inverse_mass;
-    const Floats3 an = cross(ra, basis.n), bn = cross(rb, basis.n);
-    const Floats3 a1 = cross(ra, basis.t1), b1 = cross(rb, basis.t1);
-    const Floats3 a2 = cross(ra, basis.t2), b2 = cross(rb, basis.t2);
-    put(p.normal_mass, lane, inverse_or_zero(linear + response(a, b, an, bn, an, bn), used));
-    const Floats k11 = linear + response(a, b, a1, b1, a1, b1);
-    const Floats k22 = linear + response(a, b, a2, b2, a2, b2);
-    const Floats k12 = response(a, b, a1, b1, a2, b2);
-    // The largest eigenvalue, from entries divided by the trace: their squares would leave the range of floats.
-    const Floats trace = k11 + k22;
-    const Floats scale = select(trace > broadcast(0.0f), trace, broadcast(1.0f));
-    const Floats half_difference = broadcast(0.5f) * (k11 - k22) / scale;
-    const Floats off_diagonal = k12 / scale;
-    const Floats largest = trace * (broadcast(0.5f) + sqrt(half_difference * half_difference + off_diagonal * off_diagonal));
-    put(p.tangent_mass, lane, inverse_or_zero(largest, used));
-    put(p.approach, lane, dot(b.velocity_at(rb) - a.velocity_at(ra), basis.n));
-    put(p.separation, lane, get(p.separation, lane) - dot(rb - ra, basis.n));
-
-    const Floats3 friction{get(p.tangent_impulse_1, lane), get(p.tangent_impulse_2, lane), get(p.peak_impulse, lane)};
-    put(p.tangent_impulse_1, lane, dot(friction, basis.t1));
-    put(p.tangent_impulse_2, lane, dot(friction, basis.t2));
-    put(p.peak_impulse, lane, broadcast(0.0f));
-}
-
-void Prepare(std::span<ContactBundle> bundles, const SolverBodies& bodies) {
-    for (ContactBundle& c : bundles) {
-        for (int lane = 0; lane < kBundleWidth; lane += kLanes) {
-            const Bodies a = read_bodies(bodies, c.row_a.data() + lane);
-            const Bodies b = read_bodies(bodies, c.row_b.data() + lane);
-            const Basis basis = make_basis(c, lane);
-            for (int k = 0; k < c.point_count; ++k) {
-                prepare_point(c.points[static_cast<std::size_t>(k)], lane, basis, a, b);
-            }
-        }
-    }
-}
-
 void WarmStart(std::span<ContactBundle> bundles, SolverBodies& bodies) {
     for (ContactBundle& c : bundles) {
         for (int lane = 0; lane < kBundleWidth; lane += kLanes) warm_start_bundle(c, bodies, lane);
@@ -244,7 +195,6 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace carom {
-HWY_EXPORT(Prepare);
 HWY_EXPORT(WarmStart);
 HWY_EXPORT(Solve);
 HWY_EXPORT(Restitute);
@@ -257,10 +207,6 @@ SoftContact soft_contact(double frequency, double damping, double h) noexcept {
     const double a2 = h * w * a1;
     const double a3 = 1.0 / (1.0 + a2);
     return {static_cast<float>(w / a1), static_cast<float>(a2 * a3), static_cast<float>(a3)};
-}
-
-void prepare(std::span<ContactBundle> bundles, const SolverBodies& bodies) {
-    HWY_DYNAMIC_DISPATCH(Prepare)(bundles, bodies);
 }
 
 void warm_start(std::span<ContactBundle> bundles, SolverBodies& bodies) {

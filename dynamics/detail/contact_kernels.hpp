@@ -22,9 +22,6 @@ struct SolveSettings {
     bool bias = true;        ///< false: the relax pass, rigid and without push
 };
 
-/// Turns what fill_lane wrote into what the passes read: effective masses, velocities of approach, impulses along the tangents.
-void prepare(std::span<ContactBundle> bundles, const SolverBodies& bodies);
-
 /// Applies the accumulated impulses to the bodies' velocities.
 void warm_start(std::span<ContactBundle> bundles, SolverBodies& bodies);
 

@@ -93,9 +93,6 @@ CAROM_PASS_INLINE Basis make_basis(const ContactBundle& c, int lane) {
     return {n, {one + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}};
 }
 
-Floats3 lever_a(const PointLanes& p, int lane) { return {get(p.ax, lane), get(p.ay, lane), get(p.az, lane)}; }
-Floats3 lever_b(const PointLanes& p, int lane) { return {get(p.bx, lane), get(p.by, lane), get(p.bz, lane)}; }
-
 }  // namespace
 }  // namespace carom::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -1,18 +1,21 @@
 #include <carom/dynamics/detail/contact_solver.hpp>
 
-#include <carom/dynamics/detail/bundle_fill.hpp>
 #include <carom/dynamics/detail/integrator.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 namespace carom::dynamics {
 namespace {
 
 constexpr std::size_t kBodyGrain = 128;
 constexpr std::size_t kBundleGrain = 4;
+constexpr std::size_t kManifoldGrain = 128;
 
-void set(float (&out)[4], const dvec3& v) {
+template <std::size_t n>
+void set(float (&out)[n], const dvec3& v) {
     out[0] = static_cast<float>(v.x);
     out[1] = static_cast<float>(v.y);
     out[2] = static_cast<float>(v.z);
@@ -31,28 +34,29 @@ void ContactSolver::prepare(const ContactSet& contacts, const ProxySet& proxies,
     const double h = settings.substep();
     const double frequency = settings.contact_rate / h;
     soft_ = soft_contact(frequency, settings.damping, h);
-    soft_static_ = soft_contact(2.0 * frequency, settings.damping, h);
+    soft_fixed_ = soft_contact(2.0 * frequency, settings.damping, h);
 
-    assign_rows(contacts, proxies, bodies);
+    assign_rows(contacts, bodies);
     fill_rows(bodies, executor);
-    list_contact_rows(contacts, proxies);
+    fill_sides(proxies, bodies, executor);
+    fill_manifold_rows(contacts, executor);
     coloring_.color(contact_rows_, rows_.movable);
-    sort_by_points(contacts);
+    sort_by_points();
     lay_out_bundles();
+    const PrepareInput input{manifold_rows_, contacts.manifolds, contacts.impulses, rows_, soft_, soft_fixed_};
     executor.parallel_for(bundles_.size(), kBundleGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) fill_bundle(bundles_[i], contacts, proxies, bodies);
-        dynamics::prepare(std::span{bundles_}.subspan(begin, end - begin), rows_);
+        prepare_bundles(std::span{bundles_}.subspan(begin, end - begin), input);
     });
-    count_deep(contacts);
+    deep_count_ = 0;
+    for (const ContactBundle& bundle : bundles_) deep_count_ += static_cast<std::size_t>(bundle.deep);
 }
 
-void ContactSolver::assign_rows(const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies) {
+void ContactSolver::assign_rows(const ContactSet& contacts, const BodyArrays& bodies) {
     constexpr std::int32_t kTouched = -2;
     row_of_slot_.assign(bodies.roles.size(), kNoRow);
     for (const ContactPair& pair : contacts.pairs) {
         if (pair.manifold_count == 0) continue;
-        for (const std::uint32_t proxy : {pair.proxy_a, pair.proxy_b}) {
-            const std::uint32_t slot = proxies.by_slot[proxy].body;
+        for (const std::uint32_t slot : {pair.body_a.slot, pair.body_b.slot}) {
             if (bodies.roles[slot] != Role::Static) row_of_slot_[slot] = kTouched;
         }
     }
@@ -89,33 +93,71 @@ void ContactSolver::fill_rows(const BodyArrays& bodies, Executor& executor) {
     });
 }
 
-void ContactSolver::list_contact_rows(const ContactSet& contacts, const ProxySet& proxies) {
-    contact_rows_.resize(contacts.manifolds.size());
-    pair_of_.resize(contacts.manifolds.size());
-    const auto last = static_cast<std::int32_t>(slot_of_row_.size());
-    for (std::uint32_t p = 0; p < contacts.pairs.size(); ++p) {
-        const ContactPair& pair = contacts.pairs[p];
-        const std::int32_t a = row_of_slot_[proxies.by_slot[pair.proxy_a].body];
-        const std::int32_t b = row_of_slot_[proxies.by_slot[pair.proxy_b].body];
-        for (std::uint32_t m = 0; m < pair.manifold_count; ++m) {
-            contact_rows_[pair.first_manifold + m] = {a == kNoRow ? last : a, b == kNoRow ? last : b};
-            pair_of_[pair.first_manifold + m] = p;
+// What a manifold's row needs of a shape.
+void ContactSolver::fill_sides(const ProxySet& proxies, const BodyArrays& bodies, Executor& executor) {
+    sides_.resize(proxies.by_slot.size());
+    executor.parallel_for(sides_.size(), kBodyGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t slot = begin; slot < end; ++slot) {
+            if (proxies.kinds[slot] == ProxyKind::None) continue;
+            const Proxy& proxy = proxies.by_slot[slot];
+            const std::int32_t row = row_of_slot_[proxy.body];
+            sides_[slot] = {.origin = proxies.poses[slot].position,
+                            .centre = bodies.states[proxy.body].pose.position,
+                            .extent = proxy.extent,
+                            .friction = proxy.friction,
+                            .restitution = proxy.restitution,
+                            .row = row == kNoRow ? static_cast<std::int32_t>(slot_of_row_.size()) : row,
+                            .is_static = bodies.roles[proxy.body] == Role::Static};
         }
-    }
+    });
 }
 
-void ContactSolver::sort_by_points(const ContactSet& contacts) {
+void ContactSolver::fill_manifold_rows(const ContactSet& contacts, Executor& executor) {
+    const std::size_t count = contacts.manifolds.size();
+    contact_rows_.resize(count);
+    manifold_rows_.resize(count + 1);
+    manifold_rows_[count] = {.row_a = static_cast<std::int32_t>(slot_of_row_.size()), .row_b = static_cast<std::int32_t>(slot_of_row_.size())};
+    executor.parallel_for(count, kManifoldGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t m = begin; m < end; ++m) {
+            const ContactPair& pair = contacts.pairs[contacts.manifolds[m].pair];
+            manifold_rows_[m] = row_of(contacts.manifolds[m], sides_[pair.proxy_a], sides_[pair.proxy_b]);
+            contact_rows_[m] = {manifold_rows_[m].row_a, manifold_rows_[m].row_b};
+        }
+    });
+}
+
+ManifoldRow ContactSolver::row_of(const Manifold& manifold, const Side& a, const Side& b) const {
+    ManifoldRow row;
+    set(row.normal, dvec3{manifold.normal});
+    dvec3 origin_a = a.origin - a.centre, origin_b = a.origin - b.centre;
+    // What never moves needs no lever arm of its own, which may be as long as the world and lose the contact's digits.
+    if (a.is_static) origin_a = origin_b;
+    if (b.is_static) origin_b = origin_a;
+    set(row.origin_a, origin_a);
+    set(row.origin_b, origin_b);
+    row.push_limit = static_cast<float>(settings_.max_push * std::min(a.extent, b.extent) / settings_.dt);
+    row.friction = std::sqrt(a.friction * b.friction);
+    row.restitution = std::max(a.restitution, b.restitution);
+    row.row_a = a.row;
+    row.row_b = b.row;
+    row.count = static_cast<std::int32_t>(manifold.count);
+    row.meets_fixed = a.row >= rows_.movable || b.row >= rows_.movable ? 1 : 0;
+    return row;
+}
+
+void ContactSolver::sort_by_points() {
     const std::span<const std::uint32_t> order = coloring_.order();
     const std::span<const std::uint32_t> starts = coloring_.starts();
-    lane_order_.clear();
+    lane_order_.assign(order.begin(), order.end());
     for (std::size_t c = 0; c + 1 < starts.size(); ++c) {
-        for (std::uint32_t points = kMaxManifoldPoints; points > 0; --points) {
-            for (std::uint32_t i = starts[c]; i < starts[c + 1]; ++i) {
-                if (contacts.manifolds[order[i]].count == points) lane_order_.push_back(order[i]);
-            }
+        std::array<std::uint32_t, kMaxManifoldPoints + 1> place{};  // of the next one with so many points
+        for (std::uint32_t i = starts[c]; i < starts[c + 1]; ++i) ++place[static_cast<std::size_t>(manifold_rows_[order[i]].count)];
+        std::uint32_t next = starts[c];
+        for (std::size_t points = kMaxManifoldPoints + 1; points-- > 0;) next += std::exchange(place[points], next);
+        for (std::uint32_t i = starts[c]; i < starts[c + 1]; ++i) {
+            lane_order_[place[static_cast<std::size_t>(manifold_rows_[order[i]].count)]++] = order[i];
         }
     }
-    lane_order_.insert(lane_order_.end(), order.begin() + starts.back(), order.end());
 }
 
 void ContactSolver::lay_out_bundles() {
@@ -141,51 +183,6 @@ void ContactSolver::lay_out_bundles() {
         ContactBundle& bundle = bundles_[first_overflow_bundle_ + i];
         bundle.manifold.fill(kUnusedLane);
         bundle.manifold[0] = lane_order_[starts.back() + i];
-    }
-}
-
-void ContactSolver::fill_bundle(ContactBundle& bundle, const ContactSet& contacts, const ProxySet& proxies,
-                                const BodyArrays& bodies) const {
-    std::size_t point_count = 0;
-    for (const std::uint32_t m : bundle.manifold) {
-        if (m != kUnusedLane) point_count = std::max<std::size_t>(point_count, contacts.manifolds[m].count);
-    }
-    clear_bundle(bundle, static_cast<std::int32_t>(slot_of_row_.size()), point_count);
-    for (std::size_t lane = 0; lane < kLanesPerBundle; ++lane) {
-        const std::uint32_t m = bundle.manifold[lane];
-        if (m == kUnusedLane) continue;
-        const ContactPair& pair = contacts.pairs[pair_of_[m]];
-        const Proxy& a = proxies.by_slot[pair.proxy_a];
-        const Proxy& b = proxies.by_slot[pair.proxy_b];
-        const Pose& pose_a = bodies.states[a.body].pose;
-        const dvec3 origin = transform_point(pose_a, a.local.position);
-        LaneInput in;
-        in.manifold = &contacts.manifolds[m];
-        in.impulses = &contacts.impulses[m];
-        in.row_a = contact_rows_[m].a;
-        in.row_b = contact_rows_[m].b;
-        in.origin_a = vec3{origin - pose_a.position};
-        in.origin_b = vec3{origin - bodies.states[b.body].pose.position};
-        // What never moves needs no lever arm of its own, which may be as long as the world and lose the contact's digits.
-        if (bodies.roles[a.body] == Role::Static) in.origin_a = in.origin_b;
-        if (bodies.roles[b.body] == Role::Static) in.origin_b = in.origin_a;
-        in.push_limit = static_cast<float>(settings_.max_push * std::min(a.extent, b.extent) / settings_.dt);
-        in.friction = std::sqrt(a.friction * b.friction);
-        in.restitution = std::max(a.restitution, b.restitution);
-        in.soft = in.row_a >= rows_.movable || in.row_b >= rows_.movable ? soft_static_ : soft_;
-        fill_lane(bundle, lane, in);
-    }
-}
-
-void ContactSolver::count_deep(const ContactSet& contacts) {
-    deep_count_ = 0;
-    for (const ContactBundle& bundle : bundles_) {
-        for (std::size_t lane = 0; lane < kLanesPerBundle; ++lane) {
-            if (bundle.manifold[lane] == kUnusedLane) continue;
-            for (const ContactPoint& p : contacts.manifolds[bundle.manifold[lane]].used()) {
-                deep_count_ += bundle.bias_rate[lane] * p.separation < -bundle.push_limit[lane];
-            }
-        }
     }
 }
 
@@ -248,7 +245,7 @@ void ContactSolver::store(BodyArrays& bodies, ContactSet& contacts, Executor& ex
         }
     });
     executor.parallel_for(bundles_.size(), kBundleGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) store_impulses(bundles_[i], contacts);
+        store_impulses(std::span{bundles_}.subspan(begin, end - begin), contacts.impulses);
     });
 }
 

@@ -10,6 +10,7 @@
 #include <carom/dynamics/detail/coloring.hpp>
 #include <carom/dynamics/detail/contact_bundle.hpp>
 #include <carom/dynamics/detail/contact_kernels.hpp>
+#include <carom/dynamics/detail/contact_prepare.hpp>
 #include <carom/dynamics/detail/contact_set.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
 
@@ -52,25 +53,34 @@ public:
 private:
     static constexpr std::int32_t kNoRow = -1;
 
-    void assign_rows(const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies);
+    struct Side {
+        dvec3 origin{0.0};  ///< of the shape in the world
+        dvec3 centre{0.0};  ///< of mass of its body
+        double extent = 0.0;
+        float friction = 0.0f, restitution = 0.0f;
+        std::int32_t row = 0;
+        bool is_static = false;
+    };
+    void assign_rows(const ContactSet& contacts, const BodyArrays& bodies);
     void fill_rows(const BodyArrays& bodies, Executor& executor);
-    void list_contact_rows(const ContactSet& contacts, const ProxySet& proxies);
+    void fill_sides(const ProxySet& proxies, const BodyArrays& bodies, Executor& executor);
+    void fill_manifold_rows(const ContactSet& contacts, Executor& executor);
+    [[nodiscard]] ManifoldRow row_of(const Manifold& manifold, const Side& a, const Side& b) const;
     /// Within a colour the order is free: manifolds of as many points share bundles, so that few lanes idle.
-    void sort_by_points(const ContactSet& contacts);
+    void sort_by_points();
     void lay_out_bundles();
-    void fill_bundle(ContactBundle& bundle, const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies) const;
-    void count_deep(const ContactSet& contacts);
     template <class Pass>
     void for_each_color(Executor& executor, const Pass& pass);
 
     SolverSettings settings_;
-    SoftContact soft_, soft_static_;
+    SoftContact soft_, soft_fixed_;
     SolverBodies rows_;
     std::vector<std::uint32_t> slot_of_row_;
     std::vector<std::int32_t> row_of_slot_;
     std::vector<vec3> gyroscopic_;             // change of spin a substep, per movable row
+    std::vector<Side> sides_;                  // by slot of shapes
+    std::vector<ManifoldRow> manifold_rows_;   // and one for unused lanes
     std::vector<ContactRows> contact_rows_;    // per manifold
-    std::vector<std::uint32_t> pair_of_;       // per manifold
     Coloring coloring_;
     std::vector<std::uint32_t> lane_order_;    // of manifolds: by colour, then by falling number of points
     std::vector<Color> colors_;

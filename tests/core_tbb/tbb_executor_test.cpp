@@ -32,6 +32,20 @@ TEST(TbbExecutor, RangesAreNoShorterThanTheGrain) {
     }
 }
 
+TEST(TbbExecutor, TwoGrainsAreTwoRanges) {
+    TbbExecutor executor(2);
+    for (const std::size_t grain : {1u, 2u, 64u}) {
+        for (const std::size_t count : {2 * grain, 2 * grain + 1}) {
+            std::atomic<int> calls{0};
+            executor.parallel_for(count, grain, [&](std::size_t, std::size_t) { ++calls; });
+            EXPECT_EQ(calls.load(), 2) << count << " in grains of " << grain;
+        }
+        std::atomic<int> calls{0};
+        executor.parallel_for(2 * grain - 1, grain, [&](std::size_t, std::size_t) { ++calls; });
+        EXPECT_EQ(calls.load(), 1) << grain;
+    }
+}
+
 TEST(TbbExecutor, LetsExceptionsThrough) {
     TbbExecutor executor(2);
     EXPECT_THROW(executor.parallel_for(1000, 1, [](std::size_t, std::size_t) { throw std::runtime_error("x"); }),

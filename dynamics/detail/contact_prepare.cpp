@@ -1,0 +1,200 @@
+#include <carom/core/simd_targets.hpp>
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE <carom/dynamics/detail/contact_prepare.cpp>
+#include <hwy/foreach_target.h>
+
+#include <carom/core/check.hpp>
+#include <carom/dynamics/detail/contact_lanes.hpp>
+#include <carom/dynamics/detail/contact_prepare.hpp>
+
+#include <cstddef>
+#include <cstdint>
+#include <limits>
+
+HWY_BEFORE_NAMESPACE();
+namespace carom::HWY_NAMESPACE {
+namespace {
+
+using dynamics::ManifoldRow;
+using dynamics::PrepareInput;
+
+constexpr std::size_t kRowStride = sizeof(ManifoldRow) / sizeof(float);
+constexpr std::size_t kManifoldStride = sizeof(Manifold) / sizeof(float);
+constexpr std::size_t kFirstPoint = offsetof(Manifold, points) / sizeof(float);
+constexpr std::size_t kPointStride = sizeof(ContactPoint) / sizeof(float);
+constexpr std::size_t kImpulseStride = sizeof(dynamics::ManifoldImpulses) / sizeof(float);
+constexpr std::size_t kPointImpulse = sizeof(dynamics::PointImpulse) / sizeof(float);
+static_assert(offsetof(ContactPoint, separation) == 12 && sizeof(dynamics::PointImpulse) == 16);
+
+// One manifold of each lane, without its points.
+struct WideManifold {
+    Floats3 origin_a, origin_b;
+    Ints index;  ///< in the manifolds; 0 in unused lanes, whose points count for nothing
+    Ints count;
+};
+
+/// Both bodies' inverse masses, felt at a point along two directions.
+Floats response(const Bodies& a, const Bodies& b, const Floats3& ra_x_u, const Floats3& rb_x_u, const Floats3& ra_x_v,
+                const Floats3& rb_x_v) {
+    return dot(a.turned(ra_x_u), ra_x_v) + dot(b.turned(rb_x_u), rb_x_v);
+}
+
+Floats inverse_or_zero(Floats x, Mask used) {
+    const Mask good = used & (x > broadcast(0.0f));
+    return select(good, broadcast(1.0f) / select(good, x, broadcast(1.0f)), broadcast(0.0f));
+}
+
+// A point of each lane as the manifold has it.
+struct WidePoint {
+    Floats3 position;
+    Floats separation, normal_impulse;
+    Floats3 friction_impulse;
+    Mask used;
+};
+
+CAROM_PASS_INLINE void prepare_point(PointLanes& p, int lane, const WideManifold& m, const WidePoint& point, const Basis& basis, const Bodies& a,
+                                     const Bodies& b) {
+    const Floats zero = broadcast(0.0f);
+    const Mask used = point.used;
+    const Floats3 none{zero, zero, zero};
+    const Floats3 ra = select(used, m.origin_a + point.position, none), rb = select(used, m.origin_b + point.position, none);
+    put(p.ax, lane, ra.x), put(p.ay, lane, ra.y), put(p.az, lane, ra.z);
+    put(p.bx, lane, rb.x), put(p.by, lane, rb.y), put(p.bz, lane, rb.z);
+    const Floats linear = a.inverse_mass + b.inverse_mass;
+    const Floats3 an = cross(ra, basis.n), bn = cross(rb, basis.n);
+    const Floats3 a1 = cross(ra, basis.t1), b1 = cross(rb, basis.t1);
+    const Floats3 a2 = cross(ra, basis.t2), b2 = cross(rb, basis.t2);
+    put(p.normal_mass, lane, inverse_or_zero(linear + response(a, b, an, bn, an, bn), used));
+    const Floats k11 = linear + response(a, b, a1, b1, a1, b1);
+    const Floats k22 = linear + response(a, b, a2, b2, a2, b2);
+    const Floats k12 = response(a, b, a1, b1, a2, b2);
+    // The largest eigenvalue, from entries divided by the trace: their squares would leave the range of floats.
+    const Floats trace = k11 + k22;
+    const Floats scale = select(trace > broadcast(0.0f), trace, broadcast(1.0f));
+    const Floats half_difference = broadcast(0.5f) * (k11 - k22) / scale;
+    const Floats off_diagonal = k12 / scale;
+    const Floats largest = trace * (broadcast(0.5f) + sqrt(half_difference * half_difference + off_diagonal * off_diagonal));
+    put(p.tangent_mass, lane, inverse_or_zero(largest, used));
+    put(p.approach, lane, dot(b.velocity_at(rb) - a.velocity_at(ra), basis.n));
+    put(p.separation, lane, point.separation - dot(rb - ra, basis.n));
+    put(p.normal_impulse, lane, point.normal_impulse);
+    put(p.tangent_impulse_1, lane, dot(point.friction_impulse, basis.t1));
+    put(p.tangent_impulse_2, lane, dot(point.friction_impulse, basis.t2));
+    put(p.peak_impulse, lane, zero);
+}
+
+CAROM_PASS_INLINE Ints manifold_numbers(const ContactBundle& c, int lane) {
+    return load(reinterpret_cast<const std::int32_t*>(c.manifold.data()) + lane);  // kUnusedLane is -1
+}
+
+CAROM_PASS_INLINE WideManifold read_manifold(ContactBundle& c, int lane, const PrepareInput& in) {
+    const Ints number = manifold_numbers(c, lane);
+    const Mask unused = number < Ints{0};
+    alignas(64) std::int32_t row[kLanes];
+    store(select(unused, Ints{static_cast<std::int32_t>(in.rows.size() - 1)}, number), row);
+    const float* const rows = in.rows.data()->normal;
+    Floats nx, ny, nz, push_limit, ox, oy, oz, friction, px, py, pz, restitution, row_a, row_b, count, fixed;
+    gather_rows(rows, row, kRowStride, 0, nx, ny, nz, push_limit);
+    gather_rows(rows, row, kRowStride, 4, ox, oy, oz, friction);
+    gather_rows(rows, row, kRowStride, 8, px, py, pz, restitution);
+    gather_rows(rows, row, kRowStride, 12, row_a, row_b, count, fixed);
+    store(as_ints(row_a), c.row_a.data() + lane);
+    store(as_ints(row_b), c.row_b.data() + lane);
+    put(c.nx, lane, nx), put(c.ny, lane, ny), put(c.nz, lane, nz);
+    put(c.push_limit, lane, push_limit);
+    put(c.friction, lane, friction);
+    put(c.restitution, lane, restitution);
+    const Mask meets_fixed = as_ints(fixed) != Ints{0};
+    const Floats zero = broadcast(0.0f);
+    const auto soft = [&](float among_moving, float with_fixed, Floats in_unused) {
+        return select(unused, in_unused, select(meets_fixed, broadcast(with_fixed), broadcast(among_moving)));
+    };
+    put(c.bias_rate, lane, soft(in.soft.bias_rate, in.soft_fixed.bias_rate, zero));
+    put(c.mass_scale, lane, soft(in.soft.mass_scale, in.soft_fixed.mass_scale, broadcast(1.0f)));
+    put(c.impulse_scale, lane, soft(in.soft.impulse_scale, in.soft_fixed.impulse_scale, zero));
+    c.bounces |= any(restitution > zero);
+    return {{ox, oy, oz}, {px, py, pz}, select(unused, Ints{0}, number), as_ints(count)};
+}
+
+CAROM_PASS_INLINE WidePoint read_point(const WideManifold& m, const std::int32_t* index, std::size_t k, const PrepareInput& in) {
+    const auto* const manifolds = reinterpret_cast<const float*>(in.manifolds.data());
+    const auto* const impulses = reinterpret_cast<const float*>(in.impulses.data());
+    Floats x, y, z, separation, normal, fx, fy, fz;
+    gather_rows(manifolds, index, kManifoldStride, kFirstPoint + k * kPointStride, x, y, z, separation);
+    gather_rows(impulses, index, kImpulseStride, k * kPointImpulse, normal, fx, fy, fz);
+    const Mask used = m.count > Ints{static_cast<std::int32_t>(k)};
+    const Floats zero = broadcast(0.0f);
+    return {{x, y, z}, select(used, separation, zero), select(used, normal, zero), select(used, Floats3{fx, fy, fz}, Floats3{zero, zero, zero}),
+            used};
+}
+
+void prepare_bundle(ContactBundle& c, const PrepareInput& in) {
+    c.bounces = false;
+    c.point_count = 0;
+    c.deep = 0;
+    for (int lane = 0; lane < kBundleWidth; lane += kLanes) {
+        const WideManifold m = read_manifold(c, lane, in);
+        const auto most = static_cast<std::int32_t>(greatest_lane(to_floats(m.count)));
+        // Points that no lane of this part has, but one of another part, are no-ops here.
+        for (std::int32_t k = c.point_count; kLanes < kBundleWidth && k < most; ++k) c.points[static_cast<std::size_t>(k)] = PointLanes{};
+        c.point_count = most > c.point_count ? most : c.point_count;
+        const Bodies a = read_bodies(in.bodies, c.row_a.data() + lane);
+        const Bodies b = read_bodies(in.bodies, c.row_b.data() + lane);
+        const Basis basis = make_basis(c, lane);
+        const Floats bias_rate = get(c.bias_rate, lane), push_limit = get(c.push_limit, lane);
+        alignas(64) std::int32_t index[kLanes];
+        store(m.index, index);
+        for (std::int32_t k = 0; k < most; ++k) {
+            const WidePoint point = read_point(m, index, static_cast<std::size_t>(k), in);
+            c.deep += static_cast<std::int32_t>(hwy::PopCount(bits(point.used & (bias_rate * point.separation < -push_limit))));
+            prepare_point(c.points[static_cast<std::size_t>(k)], lane, m, point, basis, a, b);
+        }
+    }
+}
+
+void PrepareBundles(std::span<ContactBundle> bundles, const PrepareInput& in) {
+    for (ContactBundle& c : bundles) prepare_bundle(c, in);
+}
+
+void StoreImpulses(std::span<const ContactBundle> bundles, std::span<dynamics::ManifoldImpulses> impulses) {
+    auto* const to = reinterpret_cast<float*>(impulses.data());
+    constexpr std::int32_t kNowhere = std::numeric_limits<std::int32_t>::max();
+    for (const ContactBundle& c : bundles) {
+        for (int lane = 0; lane < kBundleWidth; lane += kLanes) {
+            const Ints number = manifold_numbers(c, lane);
+            alignas(64) std::int32_t row[kLanes];
+            store(select(number < Ints{0}, Ints{kNowhere}, number), row);
+            const Basis basis = make_basis(c, lane);
+            for (int k = 0; k < c.point_count; ++k) {
+                const PointLanes& p = c.points[static_cast<std::size_t>(k)];
+                const Floats3 friction = get(p.tangent_impulse_1, lane) * basis.t1 + get(p.tangent_impulse_2, lane) * basis.t2;
+                scatter_rows(to, row, kImpulseStride, static_cast<std::size_t>(k) * kPointImpulse, get(p.normal_impulse, lane), friction.x,
+                             friction.y, friction.z, kNowhere);
+            }
+        }
+    }
+}
+
+}  // namespace
+}  // namespace carom::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace carom {
+HWY_EXPORT(PrepareBundles);
+HWY_EXPORT(StoreImpulses);
+
+namespace dynamics {
+
+void prepare_bundles(std::span<ContactBundle> bundles, const PrepareInput& input) {
+    CAROM_ASSERT(input.rows.size() == input.manifolds.size() + 1);
+    HWY_DYNAMIC_DISPATCH(PrepareBundles)(bundles, input);
+}
+
+void store_impulses(std::span<const ContactBundle> bundles, std::span<ManifoldImpulses> impulses) {
+    HWY_DYNAMIC_DISPATCH(StoreImpulses)(bundles, impulses);
+}
+
+}  // namespace dynamics
+}  // namespace carom
+#endif

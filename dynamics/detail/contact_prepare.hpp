@@ -1,0 +1,46 @@
+// Contacts into the lanes of bundles, ready for the passes, and impulses back out.
+//
+//   prepare_bundles(bundles, {rows, manifolds, impulses, bodies, soft, soft_static});
+//   ... passes ...
+//   store_impulses(bundles, impulses);
+//
+// Rows of memory become lanes by 128-bit loads and transposes, sixteen manifolds at a time.
+#pragma once
+
+#include <carom/dynamics/detail/contact_bundle.hpp>
+#include <carom/dynamics/detail/contact_kernels.hpp>
+#include <carom/dynamics/detail/contact_set.hpp>
+
+#include <span>
+
+namespace carom::dynamics {
+
+/// What a lane needs of a manifold beside its points: one cache line, four rows of four.
+struct alignas(64) ManifoldRow {
+    float normal[3] = {0.0f, 1.0f, 0.0f};
+    float push_limit = 0.0f;       ///< overlap is removed at this speed at most [m/s]
+    float origin_a[3] = {};        ///< the manifold's origin from A's centre of mass [m]
+    float friction = 0.0f;
+    float origin_b[3] = {};        ///< and from B's
+    float restitution = 0.0f;
+    std::int32_t row_a = 0, row_b = 0;
+    std::int32_t count = 0;        ///< points in use
+    std::int32_t meets_fixed = 0;  ///< 1: one of the two cannot give way
+};
+
+struct PrepareInput {
+    std::span<const ManifoldRow> rows;  ///< (n + 1,) the last one stands for unused lanes: no points, rows that never move
+    std::span<const Manifold> manifolds;
+    std::span<const ManifoldImpulses> impulses;
+    const SolverBodies& bodies;
+    SoftContact soft, soft_fixed;  ///< between two bodies that move; and with one that does not
+};
+
+/// Fills bundles, of which only `manifold` is set, with what the passes read: lever arms, effective masses, velocities of approach, and the
+/// impulses to start from along the tangents.
+void prepare_bundles(std::span<ContactBundle> bundles, const PrepareInput& input);
+
+/// Writes the accumulated impulses of all lanes to their contacts.
+void store_impulses(std::span<const ContactBundle> bundles, std::span<ManifoldImpulses> impulses);
+
+}  // namespace carom::dynamics
