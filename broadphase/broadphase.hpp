@@ -58,11 +58,13 @@ struct PairUpdate {
     std::uint32_t complete_below = 0;  ///< pairs whose `a` is below this are all listed
 };
 
-/// A part of what a method keeps, for pictures: a cell of a grid with boxes in it, or a node of a tree.
+/// A part of what a method keeps, for pictures: a cell of a grid with boxes in it, a stray (a box that no cell of its grid had room for),
+/// or a node of a tree.
 struct BroadphasePart {
-    FloatAabb box{};        ///< of a cell: where the lower corners of its boxes are, but for those beyond the grid, which its outermost cells have
+    FloatAabb box{};        ///< of a cell: where the lower corners of its boxes are, but for those beyond the grid, which its outermost cells have; of a stray: itself
     int level = 0;          ///< of the grid, ascending with the size of boxes; of a node: steps from the root
-    std::size_t count = 0;  ///< boxes in the cell, or in the node itself: 1 for a leaf, else 0
+    std::size_t count = 0;  ///< boxes in the cell, or in the node itself: 1 for a leaf, else 0; 1 for a stray
+    bool is_stray = false;  ///< every search of its grid reads it
 };
 
 /// An end of a box on an axis along which a method keeps the ends sorted.
@@ -111,7 +113,7 @@ public:
     /// The box of a live slot, as it was passed in; of any other a box that touches nothing.
     [[nodiscard]] FloatAabb box(std::uint32_t slot) const noexcept;
 
-    /// What the method keeps at the moment: the occupied cells of grids, the nodes of the tree, parents first. Nothing with other methods.
+    /// What the method keeps at the moment: the occupied cells of grids, then their strays; the nodes of the tree, parents first. Nothing with other methods.
     /// Made on the spot from what is there; nothing is stored for it.
     void visit_parts(FunctionRef<void(const BroadphasePart& part)> visit) const;
     /// The sorted ends of the axes along which a method keeps some, axis by axis, ascending: all of sorted_axes, the lower ones along the

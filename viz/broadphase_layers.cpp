@@ -11,7 +11,7 @@ namespace carom {
 namespace {
 
 constexpr Color kBox{96, 106, 124, 255};
-constexpr Color kEmptier{70, 120, 220, 255}, kFuller{220, 50, 40, 255};
+constexpr Color kEmptier{70, 120, 220, 255}, kFuller{220, 50, 40, 255}, kStray{150, 60, 190, 255};
 constexpr Color kLowerEnd{40, 160, 80, 255}, kUpperEnd{226, 132, 20, 255}, kAxis{30, 36, 52, 255};
 constexpr Color kRoot{40, 70, 140, 255}, kLeaf{60, 170, 110, 255};
 
@@ -31,7 +31,7 @@ void append_cells(DebugLayer& layer, const std::vector<BroadphasePart>& parts, c
     for (const BroadphasePart& part : parts) most = std::max(most, part.count);
     for (const BroadphasePart& part : parts) {
         const double share = most > 1 ? static_cast<double>(part.count - 1) / static_cast<double>(most - 1) : 0.0;
-        append_edges(layer, part.box, by, mix(kEmptier, kFuller, share));
+        append_edges(layer, part.box, by, part.is_stray ? kStray : mix(kEmptier, kFuller, share));
     }
 }
 

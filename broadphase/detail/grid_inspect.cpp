@@ -42,15 +42,14 @@ void GridLevel::visit_cells(int level, FunctionRef<void(const BroadphasePart&)> 
             if (!map.hashed) break;
         }
     }
-    if (strays() == 0) return;
-    FloatAabb around = kNowhere;
     for (std::size_t at = stray_begin; at < stray_end; ++at) {
+        FloatAabb box;
         for (int k = 0; k < 3; ++k) {
-            around.lower[map.axes[k]] = std::min(around.lower[map.axes[k]], entries.lower[k][at]);
-            around.upper[map.axes[k]] = std::max(around.upper[map.axes[k]], entries.upper[k][at]);
+            box.lower[map.axes[k]] = entries.lower[k][at];
+            box.upper[map.axes[k]] = entries.upper[k][at];
         }
+        visit({box, level, 1, true});
     }
-    visit({around, level, strays()});
 }
 
 }  // namespace carom::detail

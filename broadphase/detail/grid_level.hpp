@@ -100,7 +100,7 @@ public:
     bool visit_along(const ProxyTable& table, const SweepPath& path, FunctionRef<bool(const FloatAabb&)> touches,
                      FunctionRef<bool(std::uint32_t)> visit) const;
 
-    /// The occupied cells; the strays, if there are any, as one part that goes round all of them.
+    /// The occupied cells; then the strays, each by itself.
     void visit_cells(int level, FunctionRef<void(const BroadphasePart&)> visit) const;
 
     [[nodiscard]] std::size_t size() const noexcept { return size_; }

@@ -2,6 +2,7 @@
 
 #include <carom/viz/broadphase_layers.hpp>
 #include <carom/viz/make_debug_frame.hpp>
+#include <carom/viz/reveal.hpp>
 #include <carom/viz/vtk/picture.hpp>
 #include <carom/viz/vtk/vtp_series.hpp>
 
@@ -60,7 +61,11 @@ private:
     }
 
     Status draw(const scenes::SceneRun& run, int done, const PictureSettings& settings) const {
-        return render_to_png(frame_of(run, done, DebugFrameSettings{}.segments), options_.picture, settings);
+        DebugFrame frame = frame_of(run, done, DebugFrameSettings{}.segments);
+        PictureSettings opened = settings;
+        opened.camera = automatic_camera(frame, static_cast<double>(settings.width) / settings.height);
+        reveal(frame, *opened.camera);
+        return render_to_png(frame, options_.picture, opened);
     }
 
     RecorderOptions options_;

@@ -1,10 +1,18 @@
-// Once warm, an update asks the system for no memory.
+// Once warm, an update asks the system for no memory; and what it holds is what docs/broadphase.md states.
 #include "broadphase/distributions.hpp"
 
 #include <carom/broadphase/broadphase.hpp>
+#include <carom/core/random.hpp>
 
 #include <gtest/gtest.h>
 #include <support/count_allocations.hpp>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <string>
+#include <vector>
 
 namespace carom {
 namespace {
@@ -35,6 +43,69 @@ TEST(Allocation, StopsOnceWarm) {
             for (int frame = 0; frame < 20; ++frame) pairs += jiggle();
             EXPECT_EQ(test::allocations(), before) << to_string(method) << ", one in " << share;
             EXPECT_GT(pairs, 0u);
+        }
+    }
+}
+
+/// For each box.
+struct Held {
+    double bytes = 0.0;     ///< that operator new gave out and did not take back
+    double reported = 0.0;  ///< by Broadphase::memory
+    double pairs = 0.0;
+};
+
+/// Unit cubes at random places, so close that one overlaps `mates` others on the mean; one in a hundred moves for some updates.
+Held hold(BroadphaseMethod method, std::size_t count, double mates) {
+    SerialExecutor executor;
+    Random random(17);
+    const double side = std::cbrt(8.0 * static_cast<double>(count) / mates);
+    std::vector<FloatAabb> boxes;
+    std::vector<std::uint32_t> moved;
+    for (std::uint32_t i = 0; i < count; ++i) {
+        const vec3 at{dvec3{random.range(0, side), random.range(0, side), random.range(0, side)}};
+        boxes.push_back({at, at + vec3{1.0f}});
+        moved.push_back(i);
+    }
+    const std::vector<ProxyFilter> filters(count);
+    const long before = test::bytes_held();
+    Broadphase broadphase({.method = method});
+    broadphase.update({boxes, filters, moved, {}}, executor);
+    std::erase_if(moved, [](std::uint32_t i) { return i % 100 != 0; });
+    for (int frame = 0; frame < 8; ++frame) {
+        for (const std::uint32_t i : moved) {
+            const vec3 by(frame % 2 == 0 ? 0.05f : -0.05f);
+            boxes[i] = {boxes[i].lower + by, boxes[i].upper + by};
+        }
+        broadphase.update({boxes, filters, moved, {}}, executor);
+    }
+    const auto n = static_cast<double>(count);
+    return {static_cast<double>(test::bytes_held() - before) / n, static_cast<double>(broadphase.memory()) / n,
+            static_cast<double>(broadphase.result().pairs.size()) / n};
+}
+
+/// The row of the method in the table of docs/broadphase.md: bytes for a box, and for a pair.
+std::array<double, 2> stated_bytes(BroadphaseMethod method) {
+    std::ifstream page(std::string(CAROM_TEST_DATA) + "/../docs/broadphase.md");
+    const std::string row = std::string("| `") + to_string(method) + "` | ";
+    for (std::string line; std::getline(page, line);) {
+        std::array<double, 2> bytes{};
+        if (line.starts_with(row) && std::sscanf(line.c_str() + row.size(), "%lf | %lf |", &bytes[0], &bytes[1]) == 2) return bytes;
+    }
+    return {};
+}
+
+TEST(Allocation, HoldsAsManyBytesAsThePageSays) {
+    for (const BroadphaseMethod method : kBroadphaseMethods) {
+        const auto [box, pair] = stated_bytes(method);
+        ASSERT_GT(box * pair, 0.0) << to_string(method) << " has no row in the table";
+        for (const std::size_t count : {3000u, 12000u}) {
+            for (const double mates : {0.01, 6.0, 40.0}) {
+                const Held held = hold(method, count, mates);
+                const double stated = box + pair * held.pairs;
+                EXPECT_LE(held.bytes, stated) << to_string(method) << ", " << count << " boxes, " << held.pairs << " pairs each";
+                EXPECT_GE(held.bytes, stated / 1.5) << to_string(method) << ", " << count << " boxes, " << held.pairs << " pairs each";
+                EXPECT_NEAR(held.reported, held.bytes, 0.05 * held.bytes) << to_string(method) << ", " << count << " boxes";
+            }
         }
     }
 }

@@ -3,6 +3,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <vector>
+
 namespace carom {
 namespace {
 
@@ -54,6 +57,42 @@ TEST_P(Inspect, PartsCountEveryBoxOnceAndEndsAreSorted) {
             EXPECT_EQ(uppers, method == SortedAxes ? 3 * n : 0u);
             crowd.change(random, 0.1, 0.05);
         }
+    }
+}
+
+TEST(Inspecting, StraysOfAGridShowThemselves) {
+    constexpr std::uint32_t kBoxes = 1000, kGather = 30;
+    SerialExecutor executor;
+    for (const BroadphaseMethod method : {BroadphaseMethod::UniformGrid, BroadphaseMethod::HierarchicalGrid}) {
+        Broadphase broadphase({.method = method});
+        std::vector<FloatAabb> boxes;
+        std::vector<std::uint32_t> moved;
+        for (std::uint32_t i = 0; i < kBoxes; ++i) {
+            const vec3 at{2.0f * static_cast<float>(i % 10), 2.0f * static_cast<float>(i / 10 % 10), 2.0f * static_cast<float>(i / 100)};
+            boxes.push_back({at, at + vec3{1.0f}});
+            moved.push_back(i);
+        }
+        const std::vector<ProxyFilter> filters(kBoxes);
+        broadphase.update({boxes, filters, moved, {}}, executor);
+        moved.resize(kGather);
+        boxes[0].upper.x += 0.5f;
+        broadphase.update({boxes, filters, {moved.data(), 1}, {}}, executor);  // the first that moves few boxes makes room in the cells
+        broadphase.visit_parts([](const BroadphasePart& part) { EXPECT_FALSE(part.is_stray); });
+        for (const std::uint32_t i : moved) {
+            const vec3 at = vec3{9.0f} + 0.01f * static_cast<float>(i);
+            boxes[i] = {at, at + vec3{1.0f}};
+        }
+        broadphase.update({boxes, filters, moved, {}}, executor);
+        std::size_t strays = 0, all = 0;
+        broadphase.visit_parts([&](const BroadphasePart& part) {
+            all += part.count;
+            if (!part.is_stray) return;
+            ++strays;
+            EXPECT_EQ(part.count, 1u);
+            EXPECT_EQ(std::count(boxes.begin(), boxes.begin() + kGather, part.box), 1) << "one of those that gathered in a cell";
+        });
+        EXPECT_GT(strays, 4u);
+        EXPECT_EQ(all, kBoxes);
     }
 }
 

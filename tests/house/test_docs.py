@@ -1,6 +1,7 @@
 """What the documents say is there is there."""
 import pathlib
 import re
+import textwrap
 import unittest
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
@@ -24,6 +25,16 @@ class Docs(unittest.TestCase):
     def test_examples_are_short(self):
         for example in sorted((ROOT / "examples").glob("*.cpp")):
             self.assertLessEqual(len(example.read_text(encoding="utf-8").splitlines()), 60, example.name)
+
+    def test_what_a_page_shows_of_an_example_is_in_the_example(self):
+        shown = 0
+        for document in DOCUMENTS:
+            text = document.read_text(encoding="utf-8")
+            for name, block in re.findall(r"examples/(\w+)\.cpp\)[^`]*?```cpp\n(.*?)```", text, re.S):
+                shown += 1
+                example = (ROOT / "examples" / f"{name}.cpp").read_text(encoding="utf-8")
+                self.assertIn(textwrap.indent(block, "    "), example, f"{document.name} shows another {name}.cpp")
+        self.assertGreater(shown, 0)
 
     def test_every_reference_is_whole_and_there_once(self):
         entries = re.findall(r"^@\w+\{(\w+),(.*?)^\}", (ROOT / "docs/references.bib").read_text(encoding="utf-8"), re.M | re.S)

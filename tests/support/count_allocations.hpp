@@ -1,6 +1,6 @@
-// Counts what a test program asks of operator new, for "nothing is allocated once warm".
+// Counts what a test program asks of operator new, for "nothing is allocated once warm" and for bytes held.
 //
-//   const long before = test::allocations();
+//   const long before = test::allocations(), held = test::bytes_held();
 //   ...
 //   EXPECT_EQ(test::allocations(), before);
 //
@@ -12,30 +12,42 @@
 #include <cstdlib>
 #include <new>
 
+#include <malloc.h>
+
 namespace carom::test {
 inline std::atomic<long> g_allocations{0};
+inline std::atomic<long> g_bytes{0};
 inline long allocations() { return g_allocations.load(); }
+/// As the allocator hands them out: what was asked for, rounded up to its blocks.
+inline long bytes_held() { return g_bytes.load(); }
+
+inline void* counted(void* memory) {
+    ++g_allocations;
+    g_bytes += static_cast<long>(malloc_usable_size(memory));
+    return memory;
+}
+inline void release(void* memory) {
+    g_bytes -= static_cast<long>(malloc_usable_size(memory));
+    std::free(memory);
+}
 }  // namespace carom::test
 
 // Not inlined: GCC 12 under sanitizers otherwise takes malloc() and delete, or new and free(), for pairs that do not match.
 [[gnu::noinline]] void* operator new(std::size_t size) {
-    ++carom::test::g_allocations;
-    if (void* memory = std::malloc(size > 0 ? size : 1)) return memory;
+    if (void* memory = std::malloc(size > 0 ? size : 1)) return carom::test::counted(memory);
     throw std::bad_alloc{};
 }
 // std::stable_sort asks for its buffer this way.
 [[gnu::noinline]] void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-    ++carom::test::g_allocations;
-    return std::malloc(size > 0 ? size : 1);
+    return carom::test::counted(std::malloc(size > 0 ? size : 1));
 }
 [[gnu::noinline]] void* operator new(std::size_t size, std::align_val_t alignment) {
-    ++carom::test::g_allocations;
     const auto unit = static_cast<std::size_t>(alignment);
-    if (void* memory = std::aligned_alloc(unit, (size + unit - 1) / unit * unit)) return memory;
+    if (void* memory = std::aligned_alloc(unit, (size + unit - 1) / unit * unit)) return carom::test::counted(memory);
     throw std::bad_alloc{};
 }
-[[gnu::noinline]] void operator delete(void* memory, const std::nothrow_t&) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, std::align_val_t) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory) noexcept { std::free(memory); }
-[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
+[[gnu::noinline]] void operator delete(void* memory, const std::nothrow_t&) noexcept { carom::test::release(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::align_val_t) noexcept { carom::test::release(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::size_t, std::align_val_t) noexcept { carom::test::release(memory); }
+[[gnu::noinline]] void operator delete(void* memory) noexcept { carom::test::release(memory); }
+[[gnu::noinline]] void operator delete(void* memory, std::size_t) noexcept { carom::test::release(memory); }

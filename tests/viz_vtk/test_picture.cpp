@@ -1,6 +1,7 @@
 // Pictures: the right colours in the right places, and every failure typed.
 #include "scratch.hpp"
 
+#include <carom/viz/reveal.hpp>
 #include <carom/viz/vtk/picture.hpp>
 
 #include <gtest/gtest.h>
@@ -94,6 +95,18 @@ TEST(Picture, HiddenBacksShowWhatIsBehindThem) {
     frame = with_wall(small_scene(), 1.0f);
     ASSERT_TRUE(render_to_png(frame, path, {.width = 400, .height = 200, .camera = front_camera()}));
     EXPECT_FALSE(reddish(Image(path).at(151, 100)));
+}
+
+TEST(Picture, AnOpenedWallShowsWhatIsBehindItAndItsEdges) {
+    const ScratchFolder folder("opened");
+    const std::string path = folder / "a.png";
+    DebugFrame frame = with_wall(small_scene(), 1.0f);
+    ASSERT_EQ(reveal(frame, front_camera()), 1u);
+    ASSERT_EQ(frame.find("static")->lines.size(), 4u);
+    ASSERT_TRUE(render_to_png(frame, path, {.width = 400, .height = 200, .camera = front_camera()}));
+    const Image image(path);
+    EXPECT_TRUE(reddish(image.at(151, 100)));
+    EXPECT_TRUE(bluish(image.at(249, 100)));
 }
 
 TEST(Picture, HiddenLayersAreNotDrawnAndNamesAre) {
