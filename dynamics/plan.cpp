@@ -1,6 +1,7 @@
 // The plan: what the next step runs and leaves out, and why.
 #include <carom/dynamics/plan.hpp>
 
+#include <carom/dynamics/detail/part_surface.hpp>
 #include <carom/dynamics/detail/world_impl.hpp>
 
 #include <cstdio>
@@ -52,7 +53,10 @@ dynamics::StepChoices World::Impl::choose() const {
         if (record.quarantined || record.shapes.empty()) continue;
         ++bodies_with_shapes;
         any_dynamic |= record.type == BodyType::Dynamic;
-        for (const ShapeId shape : record.shapes) any_bounce |= shapes.find(shape)->def.restitution > 0.0f;
+        for (const ShapeId id_of_shape : record.shapes) {
+            const dynamics::ShapeRecord& s = *shapes.find(id_of_shape);
+            any_bounce |= dynamics::bounces(s.shape, s.def.restitution);
+        }
     }
     return {bodies_with_shapes >= 2 && any_dynamic, any_bounce};
 }

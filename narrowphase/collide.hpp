@@ -15,7 +15,8 @@
 
 namespace carom {
 
-/// One pair of placed shapes. The pointers must outlive the call. At most one of the two is a mesh or a plane.
+/// One pair of placed shapes. The pointers must outlive the call. At most one of the two is a mesh or a plane; a compound goes with
+/// everything.
 struct ShapePair {
     const Shape* a = nullptr;
     const Shape* b = nullptr;
@@ -27,7 +28,8 @@ struct ShapePair {
 /// How a pair was decided; anything but Ok is counted in StepReport.
 enum class CollideStatus : unsigned char {
     Ok,         ///< decided within the documented bound
-    Undecided,  ///< an iteration stopped at its cap: the manifold is conservative (contact reported, depth a lower bound)
+    Undecided,  ///< an iteration stopped at its cap: contact is reported and its depth is true along its normal, but another direction
+                ///< may be shallower
 };
 
 /// @return whether the table has a kernel for the two types in this or the other order. It has one for every two types of which at
@@ -45,7 +47,7 @@ enum class CollideStatus : unsigned char {
 /// double in the frame of one of the two, two boxes in float in the frame of A (sixteen pairs at a time), so the distance from the
 /// world's origin does not matter; positions are rounded to float about A, so let A be the smaller.
 /// Misuse (null shape, non-finite pose, negative or non-finite margin, a pair without a kernel) is reported and appends nothing.
-/// Cost: O(1) for round shapes, boxes and planes; hulls O(F V + E E); meshes O(log m + triangles near). Allocates only while buffers
+/// Cost: O(1) for round shapes, cylinders, cones, boxes and planes; compounds the sum over the parts near each other; hulls O(F V + E E); meshes O(log m + triangles near). Allocates only while buffers
 /// of the calling thread grow. Thread-safe.
 CollideStatus collide(const ShapePair& pair, std::uint32_t index, std::vector<Manifold>& out);
 

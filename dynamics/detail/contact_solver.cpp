@@ -2,6 +2,7 @@
 
 #include <carom/dynamics/detail/bundle_fill.hpp>
 #include <carom/dynamics/detail/integrator.hpp>
+#include <carom/dynamics/detail/part_surface.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -170,8 +171,9 @@ void ContactSolver::fill_bundle(ContactBundle& bundle, const ContactSet& contact
         if (bodies.roles[a.body] == Role::Static) in.origin_a = in.origin_b;
         if (bodies.roles[b.body] == Role::Static) in.origin_b = in.origin_a;
         in.push_limit = static_cast<float>(settings_.max_push * std::min(a.extent, b.extent) / settings_.dt);
-        in.friction = std::sqrt(a.friction * b.friction);
-        in.restitution = std::max(a.restitution, b.restitution);
+        const Surface surface_a = surface_of(a, in.manifold->part_a), surface_b = surface_of(b, in.manifold->part_b);
+        in.friction = std::sqrt(surface_a.friction * surface_b.friction);
+        in.restitution = std::max(surface_a.restitution, surface_b.restitution);
         in.soft = in.row_a >= rows_.movable || in.row_b >= rows_.movable ? soft_static_ : soft_;
         fill_lane(bundle, lane, in);
     }
