@@ -1,3 +1,4 @@
+#include <carom/narrowphase/detail/feature.hpp>
 #include <carom/narrowphase/detail/kernel.hpp>
 #include <carom/narrowphase/detail/workspace.hpp>
 
@@ -5,14 +6,8 @@ namespace carom::detail {
 
 namespace {
 
-// A feature's name among those of all parts: the finalizer of SplitMix64 (Steele, Lea, Flood 2014) over both numbers. Two points share a
-// name by accident once in 2^64.
-std::uint64_t name_in_parts(std::uint64_t feature, std::uint64_t parts) noexcept {
-    std::uint64_t x = feature + 0x9e3779b97f4a7c15u * parts;
-    x = (x ^ (x >> 30)) * 0xbf58476d1ce4e5b9u;
-    x = (x ^ (x >> 27)) * 0x94d049bb133111ebu;
-    return x ^ (x >> 31);
-}
+// A feature's name among those of all parts. Two points share a name by accident once in 2^64.
+std::uint64_t name_in_parts(std::uint64_t feature, std::uint64_t parts) noexcept { return scrambled(feature + scrambled(parts)); }
 
 }  // namespace
 

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 
 namespace carom::detail {
 namespace {
@@ -77,7 +78,7 @@ CollideStatus turned_sphere(const PairFrame& pair, Workspace&, ManifoldSink& sin
     return CollideStatus::Ok;
 }
 
-// The deepest points of both rims, and the corners of the flat end that faces the plane.
+// The deepest points of both rims, and the corners of the flat end where that faces the plane better than the side does.
 CollideStatus turned_plane(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
     const TruncatedCone solid = first_of(pair);
     const PlaneForm plane = plane_in_first(pair);
@@ -90,19 +91,26 @@ CollideStatus turned_plane(const PairFrame& pair, Workspace& workspace, Manifold
 
     PolygonScratch& scratch = workspace.polygons;
     scratch.candidates.clear();
-    const bool upper = patch.normal.y > 0.0;
-    scratch.first.clear();
-    if (!upper || solid.upper_radius > 0.0) {
-        const FacePolygon end = disc_of(solid, upper, contact, scratch.first);
-        for (const FaceCorner& c : end.corners) add_to_plane(c.point, plane, pair.margin, c.vertex, scratch, contact);
-    }
     const dvec3 down = solid.outward(patch.normal);
-    add_to_plane(solid.lower_centre() + solid.lower_radius * down, plane, pair.margin, kRimPoint, scratch, contact);
-    add_to_plane(solid.upper_centre() + solid.upper_radius * down, plane, pair.margin, kRimPoint + 1, scratch, contact);
+    const bool upper = patch.normal.y > 0.0;
+    const bool has_end = !upper || solid.upper_radius > 0.0;
+    const double tolerance = kPointTolerance * solid.size();
+    double deepest = std::numeric_limits<double>::infinity();
+    if (has_end && std::abs(patch.normal.y) >= glm::dot(solid.side_normal(down), patch.normal)) {
+        const FacePolygon end = disc_of(solid, upper, contact, scratch.first);
+        for (const FaceCorner& c : end.corners) {
+            add_to_plane(c.point, plane, pair.margin, c.vertex, scratch, contact);
+            deepest = std::min(deepest, plane.distance(c.point));
+        }
+    }
+    // A rim is lowest between its corners as a rule; the corners of one that lies flat are steadier than its lowest point, which is
+    // anywhere then.
+    const dvec3 lower = solid.lower_centre() + solid.lower_radius * down, upper_point = solid.upper_centre() + solid.upper_radius * down;
+    if (plane.distance(lower) < deepest - tolerance) add_to_plane(lower, plane, pair.margin, kRimPoint, scratch, contact);
+    if (plane.distance(upper_point) < deepest - tolerance) add_to_plane(upper_point, plane, pair.margin, kRimPoint + 1, scratch, contact);
 
     Chosen chosen{};
-    const int count = reduce_points(scratch.candidates, kPointTolerance * solid.size(),
-                                    outline_start(patch.normal, contact.axis_u, contact.axis_w), chosen);
+    const int count = reduce_points(scratch.candidates, tolerance, outline_start(patch.normal, contact.axis_u, contact.axis_w), chosen);
     for (int i = 0; i < count; ++i) {
         const Candidate& c = scratch.candidates[static_cast<std::size_t>(chosen[static_cast<std::size_t>(i)])];
         patch.add(c.position, c.separation, c.feature);
