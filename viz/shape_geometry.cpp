@@ -7,6 +7,7 @@
 #include <carom/core/math.hpp>
 #include <carom/viz/detail/mesh_normals.hpp>
 
+#include <cmath>
 #include <variant>
 
 namespace carom {
@@ -114,7 +115,7 @@ void append(Surface& out, const Capsule& capsule) {
 }
 
 dvec3 on_circle(int k, int segments) {
-    const SinCos angle = sin_cos(2.0 * kPi * k / segments);
+    const SinCos angle = sin_cos(2.0 * kPi * (k % segments) / segments);  // the last point is the first to the last bit
     return {angle.cos, 0.0, -angle.sin};
 }
 

@@ -79,8 +79,8 @@ TEST(TurnedShapes, SizesMustBePositiveFiniteAndNotTooFarApart) {
         expect_refused(Cone{bad, 1}, ErrorCode::NotFinite, "Cone::radius");
         expect_refused(Cone{1, bad}, ErrorCode::NotFinite, "Cone::half_height");
     }
-    EXPECT_TRUE(validate(Cylinder{1, 1e-4f}).ok());
-    EXPECT_TRUE(validate(Cone{1e-4f, 1}).ok());
+    EXPECT_TRUE(validate(Cylinder{1, 1.001e-4f}).ok());
+    EXPECT_TRUE(validate(Cone{1.001e-4f, 1}).ok());
     expect_refused(Cylinder{1, 0.9e-4f}, ErrorCode::InvalidArgument, "Cylinder");
     expect_refused(Cylinder{0.9e-4f, 1}, ErrorCode::InvalidArgument, "Cylinder");
     expect_refused(Cone{1e30f, 1e-30f}, ErrorCode::InvalidArgument, "Cone");

@@ -58,7 +58,7 @@ inline Real gap_along(const Reach& a, const Reach& b, const RealVec& n) { return
 /// The direction of the greatest gap: directions spread over the sphere, and the best of them followed by pattern search to 1e-9, with
 /// steps in turned axes so that the ridges where two features compete do not stop it.
 inline Separation greatest_gap(const Reach& a, const Reach& b, Random& random) {
-    constexpr int kSpread = 400, kFollowed = 5;
+    constexpr int kSpread = 300, kFollowed = 4;
     std::vector<Separation> found;
     for (int i = 0; i < kSpread; ++i) {  // a Fibonacci spiral
         const double z = 1.0 - 2.0 * (i + 0.5) / kSpread, s = std::sqrt(1.0 - z * z), angle = i * kPi * (3.0 - std::sqrt(5.0));
@@ -69,7 +69,7 @@ inline Separation greatest_gap(const Reach& a, const Reach& b, Random& random) {
     Separation best;
     for (int f = 0; f < kFollowed; ++f) {
         Separation at = found[static_cast<std::size_t>(f)];
-        for (Real step = 0.1L; step > 1e-10L;) {
+        for (Real step = 0.1L; step > 1e-8L;) {
             const RealVec u = real(any_perpendicular(dvec3(at.normal))), w = glm::cross(at.normal, u);
             const double phase = random.range(0.0, 2.0 * kPi);
             Separation next = at;

@@ -87,7 +87,7 @@ TEST(Turned, SeparationAndNormalAreThoseOfTheExactSupports) {
             if (!turned(ta) && !turned(tb)) continue;
             Random r(815 + 10 * static_cast<std::uint64_t>(ta) + static_cast<std::uint64_t>(tb));
             Tally tally;
-            constexpr int kCount = 100;
+            constexpr int kCount = 60;
             for (int i = 0; i < kCount; ++i) {
                 SCOPED_TRACE(testing::Message() << to_string(ta) << " " << to_string(tb) << " " << i);
                 const Shape a = random_shape(ta, r), b = random_shape(tb, r);
@@ -191,7 +191,7 @@ TEST(Turned, FlatThinAndTinySolidsKeepTheirDepth) {
         const double scale = static_cast<double>(std::max(s[0], s[1]));
         const Shape shapes[] = {Cylinder{s[0], s[1]}, Cone{s[0], s[1]}};
         for (const Shape& shape : shapes) {
-            for (int i = 0; i < 60; ++i) {
+            for (int i = 0; i < 40; ++i) {
                 const auto f = [&](double x) { return static_cast<float>(x * scale); };
                 const Shape others[] = {Sphere{f(0.3)}, Box{{f(0.3), f(0.5), f(0.4)}}, Capsule{f(0.1), f(0.5)}, shape};
                 const Pose pb{random_direction(r) * r.range(0.0, 1.0) * scale, random_rotation(r)};
