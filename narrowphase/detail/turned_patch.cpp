@@ -110,13 +110,6 @@ double least_side(const FacePolygon& polygon) noexcept {
     return std::sqrt(least);
 }
 
-dvec3 deepest(const Polytope& p, const dvec3& direction) noexcept { return p.vertices[vertex_along(p, direction)]; }
-dvec3 deepest(const TruncatedCone& solid, const dvec3& direction) noexcept { return solid.support(direction); }
-dvec3 deepest(const RoundSegment& round, const dvec3& direction) noexcept {
-    const bool to = glm::dot(round.segment.to - round.segment.from, direction) > 0.0;
-    return to ? round.segment.to : round.segment.from;
-}
-
 double size_of(const Polytope& p) noexcept { return p.size; }
 double size_of(const TruncatedCone& solid) noexcept { return solid.size(); }
 double size_of(const RoundSegment& round) noexcept {
@@ -124,26 +117,9 @@ double size_of(const RoundSegment& round) noexcept {
     return std::max(round.radius, std::sqrt(glm::dot(d, d)));
 }
 
-bool is_triangle(const Polytope& p) noexcept { return p.face_count == 2; }
-bool is_triangle(const TruncatedCone&) noexcept { return false; }
-bool is_triangle(const RoundSegment&) noexcept { return false; }
-
-// Whether the point projects into the polygon of the second shape, whose corners run clockwise in the plane of contact.
-bool lies_over(const FacePolygon& polygon, const Candidate& point, double tolerance) noexcept {
-    for (std::size_t k = 0; k < polygon.corners.size(); ++k) {
-        const FaceCorner &p = polygon.corners[k], &q = polygon.corners[k + 1 < polygon.corners.size() ? k + 1 : 0];
-        const double du = q.u - p.u, dw = q.w - p.w;
-        if (du * (point.w - p.w) - dw * (point.u - p.u) > tolerance * (std::abs(du) + std::abs(dw))) return false;
-    }
-    return true;
-}
-
 // The pair of points that the axis itself names.
-template <class B>
-Candidate point_of_axis(const TruncatedCone& a, const B& b, const ContactAxis& axis, const ContactPlane& plane) noexcept {
-    dvec3 point = 0.5 * (axis.on_a + axis.on_b);
-    if (axis.kind == AxisKind::FaceOfA) point = deepest(b, -axis.normal) - (0.5 * axis.separation) * axis.normal;
-    if (axis.kind == AxisKind::FaceOfB) point = a.support(axis.normal) + (0.5 * axis.separation) * axis.normal;
+Candidate point_of_axis(const ContactAxis& axis, const ContactPlane& plane) noexcept {
+    const dvec3 point = 0.5 * (axis.on_a + axis.on_b);
     const std::uint64_t name = feature_name(FeatureKind::Edges, kRimPoint, 0);
     return {point, axis.separation, glm::dot(point, plane.axis_u), glm::dot(point, plane.axis_w), name};
 }
@@ -163,13 +139,10 @@ void patch_of(const TruncatedCone& a, const B& b, const ContactAxis& axis, doubl
     const Facet second = facet_of(b, -axis.normal, axis, plane, scratch.second);
     collect(first, second, plane, scratch);
     std::vector<Candidate>& points = scratch.candidates;
-    // A rim is deepest between its corners as a rule, and features that share nothing touch in one point. Of a triangle that is
-    // part of a mesh the deepest point of the other shape may lie over a neighbour, which has it then.
+    // A rim is deepest between its corners as a rule, and features that share nothing touch in one point.
     const auto reaches = [&](const Candidate& c) { return c.separation <= axis.separation + kPointTolerance * size; };
     if (axis_point == AxisPoint::Keep && std::none_of(points.begin(), points.end(), reaches)) {
-        const Candidate point = point_of_axis(a, b, axis, plane);
-        const bool elsewhere = axis.kind == AxisKind::FaceOfB && is_triangle(b) && !lies_over(second.polygon, point, plane.tolerance);
-        if (points.empty() || !elsewhere) points.push_back(point);
+        points.push_back(point_of_axis(axis, plane));
     }
     patch.normal = plane.normal;
     patch.count = 0;
