@@ -175,7 +175,7 @@ private:
 template <class A, class B>
 class Search {
 public:
-    Search(const A& a, const B& b, double size) noexcept : a_(a), b_(b), size_(size) {}
+    Search(const A& a, const B& b, double size, const KnownDirection& known) noexcept : a_(a), b_(b), size_(size), known_(known) {}
 
     Penetration run() noexcept {
         std::array<Vertex, 4> points;
@@ -186,6 +186,12 @@ public:
             const Face face = hull_.face(f);
             const Vertex next = probe(face.normal);
             best_.proven = best_.depth - face.offset <= kProven * size_;
+            if (is_known() && known_.depth - face.offset <= known_.excess) {
+                best_.normal = known_.normal;
+                best_.depth = known_.depth;
+                best_.proven = true;
+                break;
+            }
             if (glm::dot(face.normal, next.w) - face.offset <= kFlat * size_ || best_.depth - face.offset <= kMet * size_) break;
             if (!hull_.grow(next, f)) break;
         }
@@ -194,6 +200,8 @@ public:
     }
 
 private:
+    [[nodiscard]] bool is_known() const noexcept { return known_.normal != dvec3{0.0}; }
+
     // The support point along a unit direction, which is also a bound of the depth.
     Vertex probe(const dvec3& u) noexcept {
         Vertex v;
@@ -212,7 +220,7 @@ private:
 
     // Four support points with as much volume as a few directions give.
     bool first_points(std::array<Vertex, 4>& p) noexcept {
-        const dvec3& axis = a_.axis();
+        const dvec3& axis = is_known() ? known_.normal : a_.axis();
         p[0] = probe(axis);
         p[1] = probe(-axis);
         const dvec3 line = p[1].w - p[0].w;
@@ -259,17 +267,18 @@ private:
     const A& a_;
     const B& b_;
     double size_;
+    KnownDirection known_;
     Penetration best_;
     Hull hull_;
 };
 
 }  // namespace
 
-Penetration penetration(const TruncatedCone& a, std::span<const dvec3> b, double size) noexcept {
-    return Search<TruncatedCone, std::span<const dvec3>>(a, b, size).run();
+Penetration penetration(const TruncatedCone& a, std::span<const dvec3> b, double size, const KnownDirection& known) noexcept {
+    return Search<TruncatedCone, std::span<const dvec3>>(a, b, size, known).run();
 }
-Penetration penetration(const TruncatedCone& a, const TruncatedCone& b, double size) noexcept {
-    return Search<TruncatedCone, TruncatedCone>(a, b, size).run();
+Penetration penetration(const TruncatedCone& a, const TruncatedCone& b, double size, const KnownDirection& known) noexcept {
+    return Search<TruncatedCone, TruncatedCone>(a, b, size, known).run();
 }
 
 }  // namespace carom::detail

@@ -215,7 +215,8 @@ GjkResult search(const A& a, const B& b, double cutoff, int max_rounds) noexcept
     double vv = glm::dot(v, v);
     for (int round = 0; round < max_rounds; ++round) {
         extent = std::max({extent, std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-        if (vv <= kOverlap * kOverlap * extent * extent) return result_of(simplex, 0.0, true, true);
+        // Below 1e-140 the squares of a direction's parts underflow, which curved supports need.
+        if (vv <= kOverlap * kOverlap * extent * extent || (curved && vv < 1e-280)) return result_of(simplex, 0.0, true, true);
 
         const Support of_a = support(a, -v), of_b = support(b, v);
         const Corner next{of_a.point - of_b.point, of_a.point, of_b.point, of_a.index, of_b.index, 1.0};

@@ -9,42 +9,13 @@
 namespace carom::detail {
 namespace {
 
+constexpr double kSideExcess = 1e-10;  // of the size: ten times what EPA's bounds leave open
+
 // A direction that is exactly that of a feature.
 struct Candidate {
     dvec3 normal{0.0};  // from a to b
     AxisKind kind = AxisKind::Edges;
     std::uint32_t feature_a = 0, feature_b = 0;
-};
-
-// Those worth trying for one pair.
-class Candidates {
-public:
-    void add(const dvec3& normal, AxisKind kind = AxisKind::Edges, std::uint32_t feature_a = 0, std::uint32_t feature_b = 0) noexcept {
-        items_[count_++] = {normal, kind, feature_a, feature_b};
-    }
-    // The flat ends of a solid; `turn` is -1 for those of b, whose outward normals point to a.
-    void add_ends(const TruncatedCone& solid, double turn, AxisKind kind) noexcept {
-        add(-turn * solid.axis(), kind, 0, 0);
-        if (solid.upper_radius > 0.0) add(turn * solid.axis(), kind, 1, 1);
-    }
-    // The unit vectors n with dot(n, a) = along_a and dot(n, b) = along_b: normals to the sides of two solids, or to a side and a line.
-    void add_common_normals(const dvec3& a, double along_a, const dvec3& b, double along_b) noexcept {
-        const dvec3 c = glm::cross(a, b);
-        const double cosine = glm::dot(a, b), sine_sq = glm::dot(c, c);
-        if (!(sine_sq > kParallelSine * kParallelSine)) return;
-        const double x = (along_a - cosine * along_b) / sine_sq, y = (along_b - cosine * along_a) / sine_sq;
-        const double z_sq = (1.0 - x * along_a - y * along_b) / sine_sq;
-        if (!(z_sq >= 0.0)) return;
-        for (const double z : {std::sqrt(z_sq), -std::sqrt(z_sq)}) {
-            const dvec3 n = x * a + y * b + z * c;
-            add(n / std::sqrt(glm::dot(n, n)));
-        }
-    }
-    [[nodiscard]] std::span<const Candidate> items() const noexcept { return {items_.data(), count_}; }
-
-private:
-    std::array<Candidate, 12> items_;
-    std::size_t count_ = 0;
 };
 
 double reach_of(std::span<const dvec3> points, const dvec3& direction) noexcept {
@@ -56,9 +27,50 @@ double reach_of(const TruncatedCone& solid, const dvec3& direction) noexcept { r
 
 double slope_of_side(const TruncatedCone& solid) noexcept { return glm::dot(solid.side_normal(solid.axes[0]), solid.axis()); }
 
-// @param suggest  adds candidates near the direction that EPA found.
-template <class B, class Suggest>
-bool axis_of(const TruncatedCone& a, const B& b, double size, double margin, const Suggest& suggest, ContactAxis& axis,
+// Of the directions of features that were offered the one of least overlap.
+template <class B>
+class Best {
+public:
+    Best(const TruncatedCone& a, const B& b) noexcept : a_(a), b_(b) {}
+
+    void offer(const Candidate& c, double overlap) noexcept {
+        if (found && !(overlap < depth)) return;
+        candidate = c;
+        depth = overlap;
+        found = true;
+    }
+    void offer(const Candidate& c) noexcept { offer(c, a_.reach(c.normal) + reach_of(b_, -c.normal)); }
+    void offer_ends_of_a() noexcept {
+        offer({-a_.axis(), AxisKind::FaceOfA, 0, 0});
+        if (a_.upper_radius > 0.0) offer({a_.axis(), AxisKind::FaceOfA, 1, 0});
+    }
+    // The unit vectors n with dot(n, u) = along_u and dot(n, v) = along_v: normals to the sides of two solids, or to a side and a line.
+    void offer_common_normals(const dvec3& u, double along_u, const dvec3& v, double along_v) noexcept {
+        const dvec3 c = glm::cross(u, v);
+        const double cosine = glm::dot(u, v), sine_sq = glm::dot(c, c);
+        if (!(sine_sq > kParallelSine * kParallelSine)) return;
+        const double x = (along_u - cosine * along_v) / sine_sq, y = (along_v - cosine * along_u) / sine_sq;
+        const double z_sq = (1.0 - x * along_u - y * along_v) / sine_sq;
+        if (!(z_sq >= 0.0)) return;
+        for (const double z : {std::sqrt(z_sq), -std::sqrt(z_sq)}) {
+            const dvec3 n = x * u + y * v + z * c;
+            offer({n / std::sqrt(glm::dot(n, n))});
+        }
+    }
+
+    Candidate candidate;
+    double depth = 0.0;
+    bool found = false;
+
+private:
+    const TruncatedCone& a_;
+    const B& b_;
+};
+
+// @param known   offers the directions that can be said beforehand.
+// @param nearby  offers those next to the direction that EPA found.
+template <class B, class Known, class Nearby>
+bool axis_of(const TruncatedCone& a, const B& b, double size, double margin, const Known& known, const Nearby& nearby, ContactAxis& axis,
              CollideStatus& status) {
     const GjkResult apart = gjk(a, b, margin);
     if (apart.beyond) return false;
@@ -69,26 +81,19 @@ bool axis_of(const TruncatedCone& a, const B& b, double size, double margin, con
             return true;
         }
     }
-    const Penetration p = penetration(a, b, size);
+    Best<B> best(a, b);
+    known(best);
+    // A face is preferred to what is less deep by rounding; a line of a side is the answer or is not.
+    const auto excess = [&] { return (best.candidate.kind == AxisKind::Edges ? kSideExcess : kFacePreference) * size; };
+    const Penetration p = penetration(a, b, size, {best.candidate.normal, best.depth, excess()});
     axis = {AxisKind::Edges, p.normal, -p.depth, p.on_a, p.on_b, 0, 0};
-    Candidates candidates;
-    suggest(p.normal, candidates);
-    const Candidate* best = nullptr;
-    double least = 0.0;
-    for (const Candidate& c : candidates.items()) {
-        const double depth = a.reach(c.normal) + reach_of(b, -c.normal);
-        if (best == nullptr || depth < least) {
-            best = &c;
-            least = depth;
-        }
-    }
-    const bool found = p.normal != dvec3{0.0};
-    if (!found || least <= p.depth + kFacePreference * size) {
-        axis.kind = best->kind;
-        axis.normal = best->normal;
-        axis.separation = -least;
-        axis.feature_a = best->feature_a;
-        axis.feature_b = best->feature_b;
+    nearby(p.normal, best);
+    if (p.normal == dvec3{0.0} || best.depth <= p.depth + excess()) {
+        axis.kind = best.candidate.kind;
+        axis.normal = best.candidate.normal;
+        axis.separation = -best.depth;
+        axis.feature_a = best.candidate.feature_a;
+        axis.feature_b = best.candidate.feature_b;
     }
     if (!p.proven) status = CollideStatus::Undecided;
     return axis.separation <= margin;
@@ -97,38 +102,44 @@ bool axis_of(const TruncatedCone& a, const B& b, double size, double margin, con
 }  // namespace
 
 bool find_axis(const TruncatedCone& a, const Polytope& b, double margin, ContactAxis& axis, CollideStatus& status) {
-    const auto suggest = [&](const dvec3& normal, Candidates& candidates) {
-        candidates.add_ends(a, 1.0, AxisKind::FaceOfA);
-        const std::uint32_t face = face_along(b, -normal);
-        candidates.add(-b.planes[face].normal, AxisKind::FaceOfB, 0, face);
+    const auto known = [&](auto& best) {
+        best.offer_ends_of_a();
+        for (std::uint32_t f = 0; f < b.face_count; ++f) {
+            const Polytope::Face& face = b.planes[f];
+            best.offer({-face.normal, AxisKind::FaceOfB, 0, f}, a.reach(-face.normal) + face.offset);
+        }
     };
-    return axis_of(a, std::span<const dvec3>(b.vertices), std::max(a.size(), b.size), margin, suggest, axis, status);
+    const auto nearby = [](const dvec3&, auto&) {};
+    return axis_of(a, std::span<const dvec3>(b.vertices), std::max(a.size(), b.size), margin, known, nearby, axis, status);
 }
 
 bool find_axis(const TruncatedCone& a, const RoundSegment& b, double margin, ContactAxis& axis, CollideStatus& status) {
     const std::array<dvec3, 2> ends{b.segment.from, b.segment.to};
     const dvec3 d = b.segment.to - b.segment.from;
     const double length = std::sqrt(glm::dot(d, d));
-    const auto suggest = [&](const dvec3& normal, Candidates& candidates) {
-        candidates.add_ends(a, 1.0, AxisKind::FaceOfA);
-        candidates.add(a.side_normal(a.outward(normal)));
-        candidates.add(a.side_normal(a.outward(b.segment.at(0.5) - a.centre)));
-        if (length > 0.0) candidates.add_common_normals(a.axis(), slope_of_side(a), d / length, 0.0);
+    const auto known = [&](auto& best) {
+        best.offer_ends_of_a();
+        best.offer({a.side_normal(a.outward(b.segment.at(0.5) - a.centre))});
+        if (length > 0.0) best.offer_common_normals(a.axis(), slope_of_side(a), d / length, 0.0);
     };
+    const auto nearby = [&](const dvec3& normal, auto& best) { best.offer({a.side_normal(a.outward(normal))}); };
     const std::span<const dvec3> points(ends.data(), length > 0.0 ? 2 : 1);
-    return axis_of(a, points, std::max(a.size(), length), margin + b.radius, suggest, axis, status);
+    return axis_of(a, points, std::max(a.size(), length), margin + b.radius, known, nearby, axis, status);
 }
 
 bool find_axis(const TruncatedCone& a, const TruncatedCone& b, double margin, ContactAxis& axis, CollideStatus& status) {
-    const auto suggest = [&](const dvec3& normal, Candidates& candidates) {
-        candidates.add_ends(a, 1.0, AxisKind::FaceOfA);
-        candidates.add_ends(b, -1.0, AxisKind::FaceOfB);
-        candidates.add(a.side_normal(a.outward(normal)));
-        candidates.add(-b.side_normal(b.outward(-normal)));
-        candidates.add(a.side_normal(a.outward(b.centre - a.centre)));
-        candidates.add_common_normals(a.axis(), slope_of_side(a), b.axis(), -slope_of_side(b));
+    const auto known = [&](auto& best) {
+        best.offer_ends_of_a();
+        best.offer({b.axis(), AxisKind::FaceOfB, 0, 0});
+        if (b.upper_radius > 0.0) best.offer({-b.axis(), AxisKind::FaceOfB, 0, 1});
+        best.offer({a.side_normal(a.outward(b.centre - a.centre))});
+        best.offer_common_normals(a.axis(), slope_of_side(a), b.axis(), -slope_of_side(b));
     };
-    return axis_of(a, b, std::max(a.size(), b.size()), margin, suggest, axis, status);
+    const auto nearby = [&](const dvec3& normal, auto& best) {
+        best.offer({a.side_normal(a.outward(normal))});
+        best.offer({-b.side_normal(b.outward(-normal))});
+    };
+    return axis_of(a, b, std::max(a.size(), b.size()), margin, known, nearby, axis, status);
 }
 
 }  // namespace carom::detail

@@ -111,8 +111,9 @@ inline std::string contact_fault(const Shape& a, const Pose& pa, const Shape& b,
         }
     }
     const bool convex = !std::holds_alternative<CompoundPtr>(a) && !std::holds_alternative<CompoundPtr>(b);
-    // Floats lose what is smaller than their least normal number.
-    if (!convex || !(size > 1e-30)) return "";
+    // Floats lose what is smaller than their least normal number, and a shape that is nothing next to the other has no faces to speak of.
+    const double smaller = std::min(bounding_radius(a), bounding_radius(b));
+    if (!convex || !(size > 1e-30) || smaller < 1e-9 * size) return "";
     if (out.size() > 1) return "several manifolds of two convex shapes";
     const auto gap = [&](const dvec3& n) { return static_cast<double>(-reach_along(b, pb, pa.position, -n) - reach_along(a, pa, pa.position, n)); };
     double most = -std::numeric_limits<double>::infinity();
@@ -120,7 +121,8 @@ inline std::string contact_fault(const Shape& a, const Pose& pa, const Shape& b,
         dvec3 n{random.range(-1, 1), random.range(-1, 1), random.range(-1, 1)};
         if (glm::length(n) > 1e-3) most = std::max(most, gap(glm::normalize(n)));
     }
-    const double tolerance = 1e-5 * size, reported = static_cast<double>(margin);
+    // The margin may be much larger than the shapes: a separation is a float.
+    const double tolerance = 1e-5 * size + 1e-6 * std::abs(most), reported = static_cast<double>(margin);
     if (out.empty()) {
         const dvec3 between = pb.position - pa.position;
         const bool near = glm::length(between) < 1e-3 * std::min(smallest_extent(a), smallest_extent(b));
