@@ -43,8 +43,9 @@ inline constexpr double kMostTurn = 2000.0;    ///< [rad] in one step
 
 /// Whether a step of `dt` can take this state on.
 [[nodiscard]] inline bool is_usable(const BodyState& s, double dt) noexcept {
-    return is_finite(s) && glm::length(s.pose.position) <= kMostDistance && glm::length(s.velocity) <= kMostSpeed &&
-           glm::length(s.spin) <= kMostSpeed && glm::length(s.spin) * dt <= kMostTurn;
+    const auto within = [](const dvec3& v, double most) { return glm::dot(v, v) <= most * most; };
+    return is_finite(s) && within(s.pose.position, kMostDistance) && within(s.velocity, kMostSpeed) && within(s.spin, kMostSpeed) &&
+           within(s.spin * dt, kMostTurn);
 }
 
 }  // namespace carom::dynamics

@@ -104,6 +104,7 @@ void ContactSolver::fill_sides(const ProxySet& proxies, const BodyArrays& bodies
             sides_[slot] = {.origin = proxies.poses[slot].position,
                             .centre = bodies.states[proxy.body].pose.position,
                             .extent = proxy.extent,
+                            .parts = std::holds_alternative<CompoundPtr>(proxy.shape) ? &proxy : nullptr,
                             .friction = proxy.friction,
                             .restitution = proxy.restitution,
                             .row = row == kNoRow ? static_cast<std::int32_t>(slot_of_row_.size()) : row,
@@ -136,8 +137,9 @@ ManifoldRow ContactSolver::row_of(const Manifold& manifold, const Side& a, const
     set(row.origin_a, origin_a);
     set(row.origin_b, origin_b);
     row.push_limit = static_cast<float>(settings_.max_push * std::min(a.extent, b.extent) / settings_.dt);
-    row.friction = std::sqrt(a.friction * b.friction);
-    row.restitution = std::max(a.restitution, b.restitution);
+    const Surface surface_a = a.surface(manifold.part_a), surface_b = b.surface(manifold.part_b);
+    row.friction = std::sqrt(surface_a.friction * surface_b.friction);
+    row.restitution = std::max(surface_a.restitution, surface_b.restitution);
     row.row_a = a.row;
     row.row_b = b.row;
     row.count = static_cast<std::int32_t>(manifold.count);

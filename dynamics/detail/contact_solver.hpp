@@ -13,6 +13,7 @@
 #include <carom/dynamics/detail/contact_kernels.hpp>
 #include <carom/dynamics/detail/contact_prepare.hpp>
 #include <carom/dynamics/detail/contact_set.hpp>
+#include <carom/dynamics/detail/part_surface.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
 
 #include <cstdint>
@@ -59,9 +60,13 @@ private:
         dvec3 origin{0.0};  ///< of the shape in the world
         dvec3 centre{0.0};  ///< of mass of its body
         double extent = 0.0;
+        const Proxy* parts = nullptr;  ///< of a compound, each with a surface of its own
         float friction = 0.0f, restitution = 0.0f;
         std::int32_t row = 0;
         bool is_static = false;
+        [[nodiscard]] Surface surface(std::uint16_t part) const noexcept {
+            return parts != nullptr ? surface_of(*parts, part) : Surface{friction, restitution};
+        }
     };
     void assign_rows(const ContactSet& contacts, const BodyArrays& bodies);
     void fill_rows(const BodyArrays& bodies, Executor& executor);

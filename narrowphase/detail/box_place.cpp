@@ -40,19 +40,32 @@ HWY_INLINE Floats diagonal(const WideBox& box) {
     return sqrt((box.half[0] * box.half[0] + box.half[1] * box.half[1]) + box.half[2] * box.half[2]);
 }
 
-// From A's centre to B's, in the world.
+// A difference or a sum, and what its rounding took (Knuth 1969, vol. 2, 4.2.2, theorem B).
+struct Rounded {
+    Floats value, error;
+};
+HWY_INLINE Rounded sum_of(Floats a, Floats b) {
+    const Floats sum = a + b, b_seen = sum - a;
+    return {sum, (a - (sum - b_seen)) + (b - b_seen)};
+}
+
+// From A's centre to B's, in the world: the parts may cancel, so what rounding takes of the first two differences is kept.
 HWY_INLINE Floats3 between(const float* lines, const std::int32_t* a, const std::int32_t* b, Mask& unusual) {
-    Floats3 sum{Floats(0.0f), Floats(0.0f), Floats(0.0f)};
+    Floats ax[3], ay[3], az[3], bx[3], by[3], bz[3];
     const Floats zero(0.0f);
 #pragma GCC unroll 3
-    for (std::size_t k = 3; k < 6; ++k) {  // the largest parts first: their difference is exact unless it is large itself
-        Floats ax, ay, az, a_rest, bx, by, bz, b_rest;
-        gather_rows(lines, a, kLineStride, 4 * k, ax, ay, az, a_rest);
-        gather_rows(lines, b, kLineStride, 4 * k, bx, by, bz, b_rest);
-        sum = sum + Floats3{bx - ax, by - ay, bz - az};
+    for (std::size_t k = 0; k < 3; ++k) {
+        Floats a_rest, b_rest;
+        gather_rows(lines, a, kLineStride, 12 + 4 * k, ax[k], ay[k], az[k], a_rest);
+        gather_rows(lines, b, kLineStride, 12 + 4 * k, bx[k], by[k], bz[k], b_rest);
         unusual = unusual | (a_rest + b_rest > zero);
     }
-    return sum;
+    const auto difference = [](const Floats (&from)[3], const Floats (&to)[3]) {
+        const Rounded large = sum_of(to[0], -from[0]), middle = sum_of(to[1], -from[1]);
+        const Rounded sum = sum_of(large.value, middle.value);
+        return sum.value + ((sum.error + (large.error + middle.error)) + (to[2] - from[2]));
+    };
+    return {difference(ax, bx), difference(ay, by), difference(az, bz)};
 }
 
 unsigned place_lanes(const float* lines, const BoxNumberBundle& numbers, BoxPairBundle& out, int lane) {

@@ -131,6 +131,41 @@ TEST(BoxBox, ScalingScalesTheAnswer) {
     }
 }
 
+// Edges that are parallel but for an angle from 1e-9 to 1e-1 about every axis: axes whose length is all rounding must not decide.
+TEST(BoxBox, NearlyParallelEdgesKeepTheirDepth) {
+    Random random(44);
+    for (int i = 0; i < 6000; ++i) {
+        const Box a{random_half(random)}, b{random_half(random)};
+        const Pose pa{random_direction(random) * 3.0, random_rotation(random)};
+        const double angle = std::pow(10.0, random.range(-9.0, -1.0));
+        const Pose local{random_direction(random) * random.range(0.3, 1.5), about(random_direction(random), angle)};
+        const Pose pb = pa * local;
+        const Separation truth = greatest_separation(solid_of(a, pa, pa.position), solid_of(b, pb, pa.position));
+        if (!(truth.value < 0)) continue;
+        const std::vector<Manifold> m = collide_all(a, pa, b, pb, 0.05f);
+        ASSERT_EQ(m.size(), 1u) << i;
+        EXPECT_NEAR(static_cast<double>(truth.value), static_cast<double>(least_separation(m[0])), 2e-6) << i << " angle " << angle;
+    }
+}
+
+// Differences of positions are exact wherever the pair is: what doubles hold of the poses decides, and nothing else.
+TEST(BoxBox, DistanceFromTheOriginDoesNotMatter) {
+    Random random(45);
+    for (int i = 0; i < 2000; ++i) {
+        const Box a{random_half(random)}, b{random_half(random)};
+        const double far = std::ldexp(1.0, static_cast<int>(random.range(0.0, 40.0)));  // steps of doubles there: up to 1.2e-4
+        const Pose pa{random_direction(random) * far, random_rotation(random)};
+        Pose pb{pa.position + random_direction(random) * random.range(0.3, 1.5), random_rotation(random)};
+        const Pose near_a{dvec3{0.0}, pa.orientation}, near_b{pb.position - pa.position, pb.orientation};
+        const std::vector<Manifold> there = collide_all(a, pa, b, pb, 0.05f), here = collide_all(a, near_a, b, near_b, 0.05f);
+        ASSERT_EQ(there.size(), here.size()) << i;
+        if (here.empty()) continue;
+        // Of points that carry a patch equally well, the last digit may choose others.
+        EXPECT_NEAR(least_separation(there[0]), least_separation(here[0]), 5e-7f) << i << " at " << far;
+        EXPECT_LT(glm::length(there[0].normal - here[0].normal), 1e-5f) << i << " at " << far;
+    }
+}
+
 // Lanes do not see one another: alone, in a crowd, at every width.
 TEST(BoxBox, ManyPairsAreManySinglePairs) {
     Random random(43);
