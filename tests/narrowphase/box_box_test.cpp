@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <set>
 
 namespace carom {
@@ -164,6 +166,50 @@ TEST(BoxBox, DistanceFromTheOriginDoesNotMatter) {
         EXPECT_NEAR(least_separation(there[0]), least_separation(here[0]), 5e-7f) << i << " at " << far;
         EXPECT_LT(glm::length(there[0].normal - here[0].normal), 1e-5f) << i << " at " << far;
     }
+}
+
+// How far a point in a box's own axes is from the corner or edge that a name says, across it.
+double off_corner(const Box& box, std::uint64_t corner, const dvec3& p) {
+    dvec3 at;
+    for (int k = 0; k < 3; ++k) at[k] = ((corner >> k) & 1u) != 0 ? box.half_extents[k] : -box.half_extents[k];
+    return glm::length(p - at);
+}
+double off_edge(const Box& box, std::uint64_t edge, const dvec3& p) {
+    const int axis = static_cast<int>(edge / 4), j = (axis + 1) % 3, k = (axis + 2) % 3;
+    const double at_j = (edge & 1u) != 0 ? box.half_extents[j] : -box.half_extents[j];
+    const double at_k = (edge & 2u) != 0 ? box.half_extents[k] : -box.half_extents[k];
+    return std::hypot(p[j] - at_j, p[k] - at_k);
+}
+
+TEST(BoxBox, PointsBearTheNamesOfTheCornersAndEdgesTheyLieOnEachOnce) {
+    Random random(46);
+    std::array<int, 3> kinds{};
+    int near_corners = 0, twins = 0;
+    for (int i = 0; i < 12000; ++i) {
+        const Box a{random_half(random)}, b{random_half(random)};
+        const Pose pa{random_direction(random) * 3.0, random_rotation(random)}, pb = pa * random_pose(random, i % 4);
+        const float least = std::min({a.half_extents.x, a.half_extents.y, a.half_extents.z, b.half_extents.x, b.half_extents.y, b.half_extents.z});
+        for (const Manifold& m : collide_all(a, pa, b, pb, 0.01f)) {
+            const dvec3 n(m.normal);
+            for (std::size_t k = 0; k < m.count; ++k) {
+                const ContactPoint& point = m.points[k];
+                for (std::size_t other = 0; other < k; ++other) twins += point.feature == m.points[other].feature;
+                const dvec3 half_gap = 0.5 * static_cast<double>(point.separation) * n;
+                const dvec3 on_a = rotate_inverse(pa.orientation, dvec3(point.position) - half_gap);
+                const dvec3 on_b = rotate_inverse(pb.orientation, dvec3(point.position) + half_gap - (pb.position - pa.position));
+                const std::uint64_t kind = point.feature >> 62, first = (point.feature >> 31) & 0x7fffffffu, second = point.feature & 0x7fffffffu;
+                ++kinds[kind];
+                // A point counts as a corner within a hundredth or so of the faces' sides, seen along the normal; and that is a slope away.
+                const double across_a = kind == 1 ? off_corner(a, first, on_a) : kind == 0 ? off_edge(a, first, on_a) : 0.0;
+                const double across_b = kind == 2 ? off_corner(b, second, on_b) : kind == 0 ? off_edge(b, second, on_b) : 0.0;
+                near_corners += kind != 0 && std::max(across_a, across_b) < 1e-5;
+                EXPECT_LT(std::max(across_a, across_b), kind == 0 ? 2e-5 : 0.2 * static_cast<double>(least) + 0.1) << i << " kind " << kind << ' ' << k;
+            }
+        }
+    }
+    for (const int count : kinds) EXPECT_GT(count, 500);
+    EXPECT_GT(near_corners, 2000);
+    EXPECT_LT(1000 * twins, kinds[0] + kinds[1] + kinds[2]) << "points that share a name";
 }
 
 // Lanes do not see one another: alone, in a crowd, at every width.
