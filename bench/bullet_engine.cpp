@@ -114,6 +114,9 @@ private:
                 meshes_.push_back(std::make_unique<MeshArrays>(*std::get<TriangleMeshPtr>(shape)));
                 return keep<btBvhTriangleMeshShape>(meshes_.back()->view.get(), true);
             }
+            case ShapeType::Cylinder:
+            case ShapeType::Cone:
+            case ShapeType::Compound:
             case ShapeType::Plane: break;
         }
         throw std::invalid_argument(fmt::format("bullet: the scenes compared have no {}", to_string(type_of(shape))));

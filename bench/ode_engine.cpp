@@ -195,6 +195,9 @@ private:
             case ShapeType::TriangleMesh:
                 meshes_.push_back(std::make_unique<MeshArrays>(*std::get<TriangleMeshPtr>(shape)));
                 return {dCreateTriMesh(space, meshes_.back()->data, nullptr, nullptr, nullptr), {}};
+            case ShapeType::Cylinder:
+            case ShapeType::Cone:
+            case ShapeType::Compound:
             case ShapeType::Plane: break;
         }
         throw std::invalid_argument(fmt::format("ode: the scenes compared have no {}", to_string(type_of(shape))));

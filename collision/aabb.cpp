@@ -1,4 +1,5 @@
 #include <carom/collision/aabb.hpp>
+#include <carom/collision/compound.hpp>
 #include <carom/collision/convex_hull.hpp>
 #include <carom/collision/triangle_mesh.hpp>
 #include <carom/core/check.hpp>
@@ -94,6 +95,42 @@ Aabb bounds_of(const TriangleMeshPtr& mesh, const Pose& pose) {
     return placed(pose.position, lower, upper, far.x + far.y + far.z);
 }
 
+/// The solid between two discs about (0, -h, 0) and (0, h, 0): the hull of their rims.
+Aabb turned_bounds(double lower_radius, double upper_radius, double h, const Pose& pose) {
+    const Rows m = rows_of(pose.orientation);
+    dvec3 lower{0.0};
+    dvec3 upper{0.0};
+    for (int i = 0; i < 3; ++i) {
+        const dvec3& row = m.row[i];
+        const double across = std::sqrt(row.x * row.x + row.z * row.z);
+        upper[i] = std::max(upper_radius * across + h * row.y, lower_radius * across - h * row.y);
+        lower[i] = -std::max(upper_radius * across - h * row.y, lower_radius * across + h * row.y);
+    }
+    return placed(pose.position, lower, upper, 2.0 * std::max(lower_radius, upper_radius) + h);
+}
+
+Aabb bounds_of(const Cylinder& cylinder, const Pose& pose) {
+    const double r = static_cast<double>(cylinder.radius);
+    return turned_bounds(r, r, static_cast<double>(cylinder.half_height), pose);
+}
+
+Aabb bounds_of(const Cone& cone, const Pose& pose) {
+    return turned_bounds(static_cast<double>(cone.radius), 0.0, static_cast<double>(cone.half_height), pose);
+}
+
+/// The parts' boxes are those of poses that were multiplied in double; the pad is for a point that goes through the two poses one
+/// after the other instead.
+Aabb bounds_of(const CompoundPtr& compound, const Pose& pose) {
+    CAROM_ASSERT(compound != nullptr);
+    Aabb box;
+    for (const CompoundPart& part : compound->parts()) box = merge(box, bounds(part.shape, pose * part.pose));
+    const Aabb& local = compound->local_bounds();
+    const dvec3 far = glm::max(glm::abs(local.lower), glm::abs(local.upper));
+    const double reach = far.x + far.y + far.z;
+    const dvec3 pad = kTurnPad * reach + kSumPad * (glm::abs(pose.position) + reach);
+    return {box.lower - pad, box.upper + pad};
+}
+
 /// sqrt(x² + y² + z²) rounds four times; the product makes up for that.
 double length_up(const dvec3& v) { return glm::length(v) * (1.0 + 0x1p-50); }
 
@@ -112,6 +149,19 @@ double radius_of(const Plane&) { return kInfinity; }
 double radius_of(const ConvexHullPtr& hull) { return longest_up(hull->vertices()); }
 double radius_of(const TriangleMeshPtr& mesh) { return longest_up(mesh->vertices()); }
 
+double rim_distance(float radius, float half_height) {
+    return length_up({static_cast<double>(radius), static_cast<double>(half_height), 0.0});
+}
+double radius_of(const Cylinder& cylinder) { return rim_distance(cylinder.radius, cylinder.half_height); }
+double radius_of(const Cone& cone) { return rim_distance(cone.radius, cone.half_height); }
+double radius_of(const CompoundPtr& compound) {
+    double farthest = 0.0;
+    for (const CompoundPart& part : compound->parts()) {
+        farthest = std::max(farthest, (length_up(part.pose.position) + bounding_radius(part.shape)) * (1.0 + 0x1p-50));
+    }
+    return farthest;
+}
+
 double smallest(const dvec3& v) { return std::min({v.x, v.y, v.z}); }
 
 double extent_of(const Sphere& sphere) { return 2.0 * static_cast<double>(sphere.radius); }
@@ -124,6 +174,20 @@ double extent_of(const ConvexHullPtr& hull) {
         const dvec3 opposite{hull->vertices()[hull->support(-face.normal)]};
         least = std::min(least, face.offset - glm::dot(face.normal, opposite));
     }
+    return least;
+}
+double extent_of(const Cylinder& cylinder) {
+    return 2.0 * static_cast<double>(std::min(cylinder.radius, cylinder.half_height));
+}
+/// The least altitude of its section through the axis, which is as wide as the cone in each direction.
+double extent_of(const Cone& cone) {
+    const double r = static_cast<double>(cone.radius);
+    const double height = 2.0 * static_cast<double>(cone.half_height);
+    return std::min(height, 2.0 * r * height / std::sqrt(r * r + height * height));
+}
+double extent_of(const CompoundPtr& compound) {
+    double least = kInfinity;
+    for (const CompoundPart& part : compound->parts()) least = std::min(least, smallest_extent(part.shape));
     return least;
 }
 double extent_of(const TriangleMeshPtr& mesh) { return smallest(mesh->local_bounds().upper - mesh->local_bounds().lower); }

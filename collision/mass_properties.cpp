@@ -1,3 +1,4 @@
+#include <carom/collision/compound.hpp>
 #include <carom/collision/convex_hull.hpp>
 #include <carom/collision/mass_properties.hpp>
 #include <carom/collision/triangle_mesh.hpp>
@@ -47,6 +48,25 @@ MassProperties properties_of(const Capsule& capsule, double density) {
     const double along = r * r * (0.5 * cylinder + 0.4 * ball);
     const double across = cylinder * (0.25 * r * r + h * h / 3.0) + ball * (0.4 * r * r + h * h + 0.75 * h * r);
     return diagonal(cylinder + ball, {across, along, across});
+}
+
+MassProperties properties_of(const Cylinder& cylinder, double density) {
+    const double r = static_cast<double>(cylinder.radius);
+    const double h = static_cast<double>(cylinder.half_height);
+    const double mass = density * 2.0 * kPi * r * r * h;
+    const double across = mass * (0.25 * r * r + h * h / 3.0);
+    return diagonal(mass, {across, 0.5 * mass * r * r, across});
+}
+
+/// The centre of mass is a quarter of the height over the base.
+MassProperties properties_of(const Cone& cone, double density) {
+    const double r = static_cast<double>(cone.radius);
+    const double h = static_cast<double>(cone.half_height);
+    const double mass = density * (2.0 / 3.0) * kPi * r * r * h;
+    const double across = 0.15 * mass * (r * r + h * h);
+    MassProperties m = diagonal(mass, {across, 0.3 * mass * r * r, across});
+    m.center = {0.0, -0.5 * h, 0.0};
+    return m;
 }
 
 /// The second moments of a mass point at distance `d`, as an inertia.
@@ -150,6 +170,16 @@ Result<MassProperties> properties_of(const Plane&, double) {
 Result<MassProperties> properties_of(const ConvexHullPtr& hull, double density) { return hull_properties(*hull, density); }
 Result<MassProperties> properties_of(const TriangleMeshPtr& mesh, double density) {
     return mesh->is_closed() ? closed_mesh_properties(*mesh, density) : open_mesh_properties(*mesh, density);
+}
+
+Result<MassProperties> properties_of(const CompoundPtr& compound, double density) {
+    std::vector<MassProperties> parts;
+    for (const CompoundPart& part : compound->parts()) {
+        const Result<MassProperties> own = mass_properties(part.shape, part.material.density.value_or(density));
+        if (!own) return own.error();
+        parts.push_back(transform(*own, part.pose));
+    }
+    return combine(parts);
 }
 
 double trace(const dmat3& m) { return m[0][0] + m[1][1] + m[2][2]; }

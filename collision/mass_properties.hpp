@@ -25,6 +25,7 @@ struct PrincipalAxes {
 
 /// Mass properties of a solid of uniform `density` [kg/m³] > 0.
 /// Closed meshes and hulls: exact polyhedral integrals (Mirtich 1996; Eberly 2002) about a local origin, in double.
+/// A compound is the sum of its parts, each of its own density where it has one; where parts overlap, their matter counts twice.
 /// An open mesh has no volume: its convex hull's properties are given (for a dynamic body, give your own where that is wrong).
 /// @return InvalidArgument (density, or a mesh wound inside out), WrongType (plane), Degenerate (an open mesh whose hull is flat).
 /// Accuracy: 1e-12 relative for closed forms; polyhedra pinned in tests/collision/.

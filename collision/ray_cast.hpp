@@ -25,6 +25,7 @@ struct RayHit {
     dvec3 point{0.0};            ///< on the surface, in the ray's frame [m]
     dvec3 normal{0.0};           ///< unit, outward; of a triangle: against the ray
     std::uint32_t triangle = 0;  ///< of a mesh; otherwise 0
+    std::uint32_t part = 0;      ///< of a compound; otherwise 0
 };
 
 /// @return NotFinite or InvalidArgument where the ray has a non-finite origin or direction, a zero direction, or a NaN or
@@ -36,11 +37,11 @@ struct RayHit {
 /// A ray that starts in a solid shape or on its surface hits at distance 0, at its origin, with the normal against the ray's
 /// direction; meshes are surfaces, so there is no inside. Of a mesh, edges and corners belong to their triangles, a closed mesh
 /// lets no ray through between triangles, a ray in the plane of a triangle misses that triangle, and of several triangles at
-/// one distance the lowest is hit.
+/// one distance the lowest is hit; of several parts of a compound too.
 /// @return nothing where the ray misses, and where validate(ray) fails. Never a NaN.
 /// Accuracy: distance to 1e-12 relative to the larger of distance and shape size, in double, for rays that do not graze; pinned
 /// in tests/collision/.
-/// Cost: O(1); hull O(faces); mesh O(log triangles) expected. No allocation, thread-safe.
+/// Cost: O(1); hull O(faces); mesh O(log triangles) and compound O(log parts) expected. No allocation, thread-safe.
 /// Source: Ericson, Real-Time Collision Detection (2005), sec. 5.3; triangles by Woop, Benthin, Wald (JCGT 2013).
 [[nodiscard]] std::optional<RayHit> cast_ray(const Shape& shape, const Ray& ray);
 

@@ -41,6 +41,27 @@ Status check(const Plane& plane) {
     return {};
 }
 
+Status check_turned(const char* name, float radius, float half_height) {
+    const std::string type = name;
+    if (Status status = check_positive(radius, (type + "::radius").c_str()); !status) return status;
+    if (Status status = check_positive(half_height, (type + "::half_height").c_str()); !status) return status;
+    // In double, where no quotient of floats overflows.
+    const double ratio = static_cast<double>(radius) / static_cast<double>(half_height);
+    if (ratio > static_cast<double>(kMaxSlenderness) || ratio * static_cast<double>(kMaxSlenderness) < 1.0) {
+        return failure(ErrorCode::InvalidArgument, type + "::radius and half_height differ by more than a factor of 1e4");
+    }
+    return {};
+}
+
+Status check(const Cylinder& cylinder) { return check_turned("Cylinder", cylinder.radius, cylinder.half_height); }
+
+Status check(const Cone& cone) { return check_turned("Cone", cone.radius, cone.half_height); }
+
+Status check(const CompoundPtr& compound) {
+    if (!compound) return failure(ErrorCode::Empty, "CompoundPtr is null");
+    return {};
+}
+
 Status check(const ConvexHullPtr& hull) {
     if (!hull) return failure(ErrorCode::Empty, "ConvexHullPtr is null");
     return {};
@@ -61,6 +82,9 @@ const char* to_string(ShapeType type) noexcept {
         case ShapeType::Plane: return "plane";
         case ShapeType::ConvexHull: return "convex_hull";
         case ShapeType::TriangleMesh: return "triangle_mesh";
+        case ShapeType::Cylinder: return "cylinder";
+        case ShapeType::Cone: return "cone";
+        case ShapeType::Compound: return "compound";
     }
     return "unknown";
 }

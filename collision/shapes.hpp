@@ -12,6 +12,7 @@
 
 namespace carom {
 
+class Compound;      // <carom/collision/compound.hpp>
 class ConvexHull;    // <carom/collision/convex_hull.hpp>
 class TriangleMesh;  // <carom/collision/triangle_mesh.hpp>
 
@@ -42,26 +43,51 @@ struct Plane {
     friend bool operator==(const Plane&, const Plane&) = default;
 };
 
+/// A solid cylinder about the origin, along y: x² + z² <= radius², |y| <= half_height. Both > 0 [m], neither more than
+/// kMaxSlenderness times the other.
+struct Cylinder {
+    float radius = 0.5f;
+    float half_height = 0.5f;
+    friend bool operator==(const Cylinder&, const Cylinder&) = default;
+};
+
+/// A solid cone along y: its tip at (0, half_height, 0), its base the disc of `radius` about (0, -half_height, 0). Both > 0 [m],
+/// neither more than kMaxSlenderness times the other. Its centre of mass is at (0, -half_height / 2, 0).
+struct Cone {
+    float radius = 0.5f;
+    float half_height = 0.5f;
+    friend bool operator==(const Cone&, const Cone&) = default;
+};
+
+/// The largest ratio of the two sizes of a cylinder or cone: beyond, its moments of inertia and its contacts are lost to rounding.
+inline constexpr float kMaxSlenderness = 1e4f;
+
+using CompoundPtr = std::shared_ptr<const Compound>;
 using ConvexHullPtr = std::shared_ptr<const ConvexHull>;
 using TriangleMeshPtr = std::shared_ptr<const TriangleMesh>;
 
 /// Any shape. The order of the alternatives is the order of ShapeType.
-using Shape = std::variant<Sphere, Box, Capsule, Plane, ConvexHullPtr, TriangleMeshPtr>;
+using Shape = std::variant<Sphere, Box, Capsule, Plane, ConvexHullPtr, TriangleMeshPtr, Cylinder, Cone, CompoundPtr>;
 
-enum class ShapeType : unsigned char { Sphere, Box, Capsule, Plane, ConvexHull, TriangleMesh };
-inline constexpr int kShapeTypeCount = 6;
+enum class ShapeType : unsigned char { Sphere, Box, Capsule, Plane, ConvexHull, TriangleMesh, Cylinder, Cone, Compound };
+inline constexpr int kShapeTypeCount = 9;
 static_assert(std::variant_size_v<Shape> == kShapeTypeCount);
 
 [[nodiscard]] inline ShapeType type_of(const Shape& shape) noexcept { return static_cast<ShapeType>(shape.index()); }
 
 /// @return the type's name in snake_case, as scene files spell it: "sphere", "box", "capsule", "plane", "convex_hull",
-/// "triangle_mesh".
+/// "triangle_mesh", "cylinder", "cone", "compound".
 [[nodiscard]] const char* to_string(ShapeType type) noexcept;
+
+/// @return true for the shapes that a compound is made of: all but plane, triangle mesh and compound.
+[[nodiscard]] inline bool is_convex_solid(ShapeType type) noexcept {
+    return type != ShapeType::Plane && type != ShapeType::TriangleMesh && type != ShapeType::Compound;
+}
 
 /// @return false for a plane only.
 [[nodiscard]] inline bool is_bounded(const Shape& shape) noexcept { return type_of(shape) != ShapeType::Plane; }
 
-/// Checks the ranges above: finite, positive sizes, unit normal, non-null pointer.
+/// Checks the ranges above: finite, positive sizes, no cylinder or cone too slender, unit normal, non-null pointer.
 /// @return NotFinite, InvalidArgument or Empty with a message that names the field.
 [[nodiscard]] Status validate(const Shape& shape);
 

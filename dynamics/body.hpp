@@ -23,7 +23,7 @@ struct BodyDef {
     std::string name{};                     ///< for people: reports and views print it
 };
 
-/// How a shape is made of matter and meets others.
+/// How a shape is made of matter and meets others. The parts of a compound may have density, friction and restitution of their own.
 struct ShapeDef {
     double density = 1000.0;         ///< [kg/m³] > 0; ignored on static and kinematic bodies
     float friction = 0.6f;           ///< Coulomb coefficient >= 0; two shapes combine by the geometric mean

@@ -150,7 +150,7 @@ ShapeId World::add_shape(BodyId body, Shape shape, const ShapeDef& def) {
     record->shapes.push_back(id);
     if (mass) impl_->assign_mass(body, *mass);
     if (record->quarantined) return id;
-    impl_->census.count_shape(impl_->shapes.find(id)->def.restitution, +1);
+    impl_->census.count_shape(impl_->shapes.find(id)->shape, kept.restitution, +1);
     if (record->shapes.size() == 1) impl_->census.count_body(record->type, +1);
     if (mass) {
         impl_->put_proxies(body);  // the centre of mass is another
@@ -236,7 +236,10 @@ void World::Impl::take_out(BodyId body) {
 void World::Impl::count_body(BodyId body, int sign) {
     const dynamics::BodyRecord& record = *bodies.find(body);
     if (!record.shapes.empty()) census.count_body(record.type, sign);
-    for (const ShapeId id : record.shapes) census.count_shape(shapes.find(id)->def.restitution, sign);
+    for (const ShapeId id : record.shapes) {
+        const dynamics::ShapeRecord& s = *shapes.find(id);
+        census.count_shape(s.shape, s.def.restitution, sign);
+    }
 }
 
 }  // namespace carom

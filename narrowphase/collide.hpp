@@ -15,7 +15,8 @@
 
 namespace carom {
 
-/// One pair of placed shapes. The pointers must outlive the call. At most one of the two is a mesh or a plane.
+/// One pair of placed shapes. The pointers must outlive the call. At most one of the two is a mesh or a plane; a compound goes with
+/// everything.
 struct ShapePair {
     const Shape* a = nullptr;
     const Shape* b = nullptr;
@@ -39,7 +40,8 @@ struct NumberedPair {
 /// How a pair was decided; anything but Ok is counted in StepReport.
 enum class CollideStatus : unsigned char {
     Ok,         ///< decided within the documented bound
-    Undecided,  ///< an iteration stopped at its cap: the manifold is conservative (contact reported, depth a lower bound)
+    Undecided,  ///< an iteration stopped at its cap: contact is reported and its depth is true along its normal, but another direction
+                ///< may be shallower
 };
 
 /// @return whether the table has a kernel for the two types in this or the other order. It has one for every two types of which at
@@ -52,13 +54,14 @@ enum class CollideStatus : unsigned char {
 /// What is reported: where the shapes overlap, the least depth over all directions (for a mesh, over those its surface allows); where
 /// they are apart, their distance, except that two boxes give the greatest separation over their axes, a lower bound that is the
 /// distance unless corners face each other. A body on a flat or nearly flat stretch of a mesh has one manifold; a mesh has two
-/// sides, and pushes to the one on which the shape's centre lies.
+/// sides, and pushes to the one on which the shape's centre lies. Flat ends of cylinders and cones give up to four points of their rim or
+/// of what they lie on, sides a line of two; where a side or rim touches smoothly, the normal is found to about 5e-6.
 /// Accuracy: 1e-6 of the larger shape's size, of a mesh the convex shape's, and of a box much larger than the other the other's. Computed in
 /// double in the frame of one of the two, two boxes in float in the frame of A (sixteen pairs at a time), so the distance from the
 /// world's origin does not matter; positions are rounded to float about A, so let A be the smaller.
 /// Misuse (null shape, non-finite pose, negative or non-finite margin, a pair without a kernel) is reported and appends nothing.
-/// Cost: O(1) for round shapes, boxes and planes; hulls O(F V + E E); meshes O(log m + triangles near). Allocates only while buffers
-/// of the calling thread grow. Thread-safe.
+/// Cost: O(1) for round shapes, cylinders, cones, boxes and planes; hulls O(F V + E E); meshes O(log m + triangles near); compounds
+/// the sum over the parts near each other. Allocates only while buffers of the calling thread grow. Thread-safe.
 CollideStatus collide(const ShapePair& pair, std::uint32_t index, std::vector<Manifold>& out);
 
 /// Buffers of the batch, kept between calls so that nothing is allocated once warm.

@@ -1,6 +1,7 @@
 #include <carom/viz/make_debug_frame.hpp>
 
 #include <carom/collision/aabb.hpp>
+#include <carom/collision/compound.hpp>
 #include <carom/collision/triangle_mesh.hpp>
 #include <carom/core/check.hpp>
 #include <carom/viz/detail/focus.hpp>
@@ -111,14 +112,14 @@ private:
     }
 
     void add_bvh(BodyId body, ShapeId shape) {
-        const auto* mesh = std::get_if<TriangleMeshPtr>(&world_.shape(shape));
-        if (mesh == nullptr) return;
         const Pose pose = local_pose(shape);
-        (*mesh)->visit_nodes([&](const Aabb& box, int depth) {
+        const auto draw = [&](const Aabb& box, int depth) {
             if (depth > settings_.bvh_depth) return;
             const double t = static_cast<double>(depth) / std::max(settings_.bvh_depth, 1);
             append_box_edges(layer(Layer::Bvh), box, pose, mix(kBvhRoot, kBvhLeaf, t), body);
-        });
+        };
+        if (const auto* mesh = std::get_if<TriangleMeshPtr>(&world_.shape(shape))) (*mesh)->visit_nodes(draw);
+        if (const auto* compound = std::get_if<CompoundPtr>(&world_.shape(shape))) (*compound)->visit_nodes(draw);
     }
 
     void add_name(BodyId body) {

@@ -1,11 +1,13 @@
 #include <carom/viz/shape_geometry.hpp>
 
+#include <carom/collision/compound.hpp>
 #include <carom/collision/convex_hull.hpp>
 #include <carom/collision/triangle_mesh.hpp>
 #include <carom/core/check.hpp>
 #include <carom/core/math.hpp>
 #include <carom/viz/detail/mesh_normals.hpp>
 
+#include <cmath>
 #include <variant>
 
 namespace carom {
@@ -112,6 +114,56 @@ void append(Surface& out, const Capsule& capsule) {
     append_round(out, static_cast<double>(capsule.radius), static_cast<double>(capsule.half_segment));
 }
 
+dvec3 on_circle(int k, int segments) {
+    const SinCos angle = sin_cos(2.0 * kPi * (k % segments) / segments);  // the last point is the first to the last bit
+    return {angle.cos, 0.0, -angle.sin};
+}
+
+/// A flat round end: `side` is +1 for the one that faces up.
+void append_disc(Surface& out, double radius, double y, double side) {
+    const int n = out.segments();
+    std::vector<std::uint32_t> rim;
+    for (int k = 0; k < n; ++k) rim.push_back(out.vertex(radius * on_circle(k, n) + dvec3{0.0, y, 0.0}, {0.0, side, 0.0}));
+    for (std::size_t k = 2; k < rim.size(); ++k) {
+        out.triangle(rim[0], side > 0.0 ? rim[k - 1] : rim[k], side > 0.0 ? rim[k] : rim[k - 1], true);
+    }
+}
+
+/// The side between two coaxial circles; quarters take turns in colour. An upper radius of 0 makes a cone.
+void append_side(Surface& out, double lower, double upper, double half_height) {
+    const int n = out.segments();
+    const auto point = [&](int k, double radius, double y) { return radius * on_circle(k, n) + dvec3{0.0, y, 0.0}; };
+    const double slant = std::sqrt(4.0 * half_height * half_height + (lower - upper) * (lower - upper));
+    const auto normal = [&](const dvec3& outward) {
+        return (2.0 * half_height / slant) * outward + dvec3{0.0, (lower - upper) / slant, 0.0};
+    };
+    for (int k = 0; k < n; ++k) {
+        const dvec3 first = normal(on_circle(k, n)), last = normal(on_circle(k + 1, n));
+        const bool second = (k * 4 / n) % 2 == 1;
+        const std::uint32_t a = out.vertex(point(k, lower, -half_height), first), b = out.vertex(point(k + 1, lower, -half_height), last);
+        if (upper > 0.0) {
+            out.quad(a, b, out.vertex(point(k + 1, upper, half_height), last), out.vertex(point(k, upper, half_height), first), second);
+        } else {
+            out.triangle(a, b, out.vertex({0.0, half_height, 0.0}, glm::normalize(first + last)), second);
+        }
+    }
+}
+
+void append(Surface& out, const Cylinder& cylinder) {
+    const double radius = static_cast<double>(cylinder.radius), h = static_cast<double>(cylinder.half_height);
+    append_disc(out, radius, -h, -1.0);
+    append_side(out, radius, radius, h);
+    append_disc(out, radius, h, 1.0);
+}
+
+void append(Surface& out, const Cone& cone) {
+    const double radius = static_cast<double>(cone.radius), h = static_cast<double>(cone.half_height);
+    append_disc(out, radius, -h, -1.0);
+    append_side(out, radius, 0.0, h);
+}
+
+void append(Surface&, const CompoundPtr&) {}  // append_shape does its parts
+
 void append(Surface&, const Plane&) {}  // refused by append_shape
 
 void append(Surface& out, const ConvexHullPtr& hull) {
@@ -142,7 +194,9 @@ void append(Surface& out, const TriangleMeshPtr& mesh) {
 bool is_null(const Shape& shape) {
     const auto* hull = std::get_if<ConvexHullPtr>(&shape);
     const auto* mesh = std::get_if<TriangleMeshPtr>(&shape);
-    return (hull != nullptr && *hull == nullptr) || (mesh != nullptr && *mesh == nullptr);
+    const auto* compound = std::get_if<CompoundPtr>(&shape);
+    return (hull != nullptr && *hull == nullptr) || (mesh != nullptr && *mesh == nullptr) ||
+           (compound != nullptr && *compound == nullptr);
 }
 
 }  // namespace
@@ -157,6 +211,10 @@ void append_shape(DebugLayer& layer, const Shape& shape, const Pose& pose, const
     CAROM_REQUIRE(is_finite(pose), ErrorCode::NotFinite, "the pose is not finite");
     CAROM_REQUIRE(style.segments >= 4 && style.segments <= 256 && style.segments % 4 == 0, ErrorCode::InvalidArgument,
                   "segments must be a multiple of 4 in 4..256");
+    if (const CompoundPtr* compound = std::get_if<CompoundPtr>(&shape)) {
+        for (const CompoundPart& part : (*compound)->parts()) append_shape(layer, part.shape, pose * part.pose, style);
+        return;
+    }
     Surface surface(layer, pose, style);
     std::visit([&](const auto& s) { append(surface, s); }, shape);
 }

@@ -16,15 +16,16 @@ struct ShapeStyle {
     Color color{};
     Color second{};      ///< of every other patch of round shapes and planes, so that one sees them turn; see two_tone
     BodyId body{};
-    int segments = 20;   ///< round a sphere or capsule: a multiple of 4, 4..256
+    int segments = 20;   ///< round a sphere, capsule, cylinder or cone: a multiple of 4, 4..256
 };
 
 /// @return the style with `second` a slightly darker tint of `color`.
 [[nodiscard]] ShapeStyle two_tone(Color color, BodyId body, int segments = 20) noexcept;
 
 /// Appends the surface of a bounded shape, with normals for shading.
-/// Triangles: box 12; sphere segments (segments - 2); capsule segments² (without a cylinder: as a sphere); hull the fan of
-/// each face; mesh its own triangles, smooth across edges flatter than 40 degrees.
+/// Triangles: box 12; sphere segments (segments - 2); capsule segments² (without a cylinder: as a sphere); cylinder 4 segments - 4;
+/// cone 2 segments - 2; hull the fan of each face; mesh its own triangles, smooth across edges flatter than 40 degrees; compound
+/// those of its parts.
 /// @param pose  relative to the frame's origin, finite.
 /// Misuse (a plane, a null pointer, non-finite pose, segments out of range) is reported and appends nothing.
 /// Accuracy: vertices lie on the exact surface, rounded to float; round shapes lose radius (1 - cos²(pi / segments)) at most.

@@ -25,6 +25,9 @@ struct LocalRay {
 [[nodiscard]] std::optional<RayHit> cast_local(const Plane& plane, const LocalRay& ray) noexcept;
 [[nodiscard]] std::optional<RayHit> cast_local(const ConvexHull& hull, const LocalRay& ray) noexcept;
 [[nodiscard]] std::optional<RayHit> cast_local(const TriangleMesh& mesh, const LocalRay& ray) noexcept;
+[[nodiscard]] std::optional<RayHit> cast_local(const Cylinder& cylinder, const LocalRay& ray) noexcept;
+[[nodiscard]] std::optional<RayHit> cast_local(const Cone& cone, const LocalRay& ray) noexcept;
+[[nodiscard]] std::optional<RayHit> cast_local(const Compound& compound, const LocalRay& ray) noexcept;
 
 /// How far the origin of `ray` can move along it and stay outside the ball of `radius` about `center`, by at least `radius`; 0 if
 /// the origin is nearer than that or the ray leads away. Working from there keeps the rounding error of far origins to the

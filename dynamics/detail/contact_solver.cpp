@@ -104,8 +104,8 @@ void ContactSolver::fill_sides(const ProxySet& proxies, const BodyArrays& bodies
             sides_[slot] = {.origin = proxies.poses[slot].position,
                             .centre = bodies.states[proxy.body].pose.position,
                             .extent = proxy.extent,
-                            .friction = proxy.friction,
-                            .restitution = proxy.restitution,
+                            .surface = {proxy.friction, proxy.restitution},
+                            .compound = compound_of(*proxy.shape),
                             .row = row == kNoRow ? static_cast<std::int32_t>(slot_of_row_.size()) : row,
                             .is_static = bodies.roles[proxy.body] == Role::Static};
         }
@@ -136,8 +136,10 @@ ManifoldRow ContactSolver::row_of(const Manifold& manifold, const Side& a, const
     set(row.origin_a, origin_a);
     set(row.origin_b, origin_b);
     row.push_limit = static_cast<float>(settings_.max_push * std::min(a.extent, b.extent) / settings_.dt);
-    row.friction = std::sqrt(a.friction * b.friction);
-    row.restitution = std::max(a.restitution, b.restitution);
+    const Surface surface_a = surface_of_part(a.surface, a.compound, manifold.part_a);
+    const Surface surface_b = surface_of_part(b.surface, b.compound, manifold.part_b);
+    row.friction = std::sqrt(surface_a.friction * surface_b.friction);
+    row.restitution = std::max(surface_a.restitution, surface_b.restitution);
     row.row_a = a.row;
     row.row_b = b.row;
     row.count = static_cast<std::int32_t>(manifold.count);

@@ -13,6 +13,7 @@
 #include <carom/dynamics/detail/contact_kernels.hpp>
 #include <carom/dynamics/detail/contact_prepare.hpp>
 #include <carom/dynamics/detail/contact_set.hpp>
+#include <carom/dynamics/detail/part_surface.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
 
 #include <cstdint>
@@ -59,7 +60,8 @@ private:
         dvec3 origin{0.0};  ///< of the shape in the world
         dvec3 centre{0.0};  ///< of mass of its body
         double extent = 0.0;
-        float friction = 0.0f, restitution = 0.0f;
+        Surface surface;
+        const Compound* compound = nullptr;  ///< whose parts may have surfaces of their own
         std::int32_t row = 0;
         bool is_static = false;
     };

@@ -5,6 +5,7 @@
 #include <carom/core/slot_map.hpp>
 #include <carom/dynamics/detail/contact_set.hpp>
 #include <carom/dynamics/detail/contact_solver.hpp>
+#include <carom/dynamics/detail/part_surface.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
 #include <carom/dynamics/world.hpp>
 #include <carom/narrowphase/collide.hpp>
@@ -48,8 +49,8 @@ struct Census {
         if (type == BodyType::Dynamic) dynamic_bodies += sign;
     }
     /// One of its shapes does.
-    void count_shape(float restitution, int sign) noexcept {
-        if (restitution > 0.0f) bouncing_shapes += sign;
+    void count_shape(const Shape& shape, float restitution, int sign) noexcept {
+        if (bounces(shape, restitution)) bouncing_shapes += sign;
     }
 };
 

@@ -1,10 +1,11 @@
-// Sphere, box, capsule and hull against a triangle mesh.
+// Sphere, box, capsule, hull, cylinder and cone against a triangle mesh.
 #include <carom/collision/convex_hull.hpp>
 #include <carom/collision/triangle_mesh.hpp>
 #include <carom/narrowphase/detail/kernels.hpp>
 #include <carom/narrowphase/detail/round_contact.hpp>
 #include <carom/narrowphase/detail/segment_polytope.hpp>
 #include <carom/narrowphase/detail/tolerances.hpp>
+#include <carom/narrowphase/detail/turned_contact.hpp>
 #include <carom/narrowphase/detail/workspace.hpp>
 
 #include <glm/common.hpp>
@@ -18,7 +19,7 @@ Aabb add_ball(const Aabb& box, const dvec3& centre, double radius) noexcept {
     return merge(box, {centre - dvec3{radius}, centre + dvec3{radius}});
 }
 
-// The two kinds of convex shape that need more than closest points, behind one face.
+// The kinds of convex shape that need more than closest points, behind one face.
 struct PolytopeProbe {
     const Polytope& polytope;
     dvec3 centre{0.0};
@@ -67,6 +68,28 @@ struct SegmentProbe {
     void patch(const Polytope& triangle, const ContactAxis& axis, double margin, AxisPoint point, Workspace& workspace,
                Patch& patch) const {
         build_patch(core, triangle, axis, margin, point, workspace.polygons, patch);
+    }
+};
+
+struct TurnedProbe {
+    const TruncatedCone& solid;
+    const Aabb& box;  // of the solid, in its own frame
+    CollideStatus& status;
+    dvec3 centre{0.0};
+
+    [[nodiscard]] double size() const noexcept { return solid.size(); }
+    [[nodiscard]] double radius() const noexcept { return 0.0; }
+    [[nodiscard]] double reach(const dvec3& n) const noexcept { return solid.reach(n); }
+    [[nodiscard]] bool beside(const NearTriangle& t, double margin) const noexcept {
+        return glm::any(glm::greaterThan(t.lower, box.upper + dvec3{margin})) ||
+               glm::any(glm::lessThan(t.upper, box.lower - dvec3{margin}));
+    }
+    bool axis(const Polytope& triangle, double margin, Workspace&, ContactAxis& axis) const {
+        return find_axis(solid, triangle, margin, axis, status);
+    }
+    void patch(const Polytope& triangle, const ContactAxis& axis, double margin, AxisPoint point, Workspace& workspace,
+               Patch& patch) const {
+        build_patch(solid, triangle, axis, margin, point, workspace.polygons, patch);
     }
 };
 
@@ -163,6 +186,16 @@ CollideStatus capsule_mesh(const PairFrame& pair, Workspace& workspace, Manifold
     bounds = add_ball(bounds, pair.to_second(core.segment.to), core.radius);
     touch_mesh(pair, SegmentProbe{core}, bounds, kSameRoundNormal, workspace, sink);
     return CollideStatus::Ok;
+}
+
+CollideStatus turned_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
+    const TruncatedCone solid = truncated_cone(pair.first, dmat3{1.0}, dvec3{0.0});
+    const Aabb own = box_of(solid);
+    // The same solid in the mesh's frame, for the box that the mesh is asked with.
+    const TruncatedCone in_mesh = truncated_cone(pair.first, glm::transpose(pair.rotation), pair.to_second(dvec3{0.0}));
+    CollideStatus status = CollideStatus::Ok;
+    touch_mesh(pair, TurnedProbe{solid, own, status}, box_of(in_mesh), kSameRoundNormal, workspace, sink);
+    return status;
 }
 
 CollideStatus sphere_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {

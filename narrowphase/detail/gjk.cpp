@@ -11,9 +11,11 @@ namespace carom::detail {
 namespace {
 
 constexpr int kMaxRounds = 64;
+constexpr int kMaxRoundsCurved = 128;
 constexpr double kRelative = 1e-12;  // of the distance
 constexpr double kRounding = 4e-15;  // of the coordinates: a dozen ulp
 constexpr double kOverlap = 1e-12;   // of the coordinates
+constexpr double kInside = 1e-9;     // of the coordinates
 
 struct Corner {
     dvec3 w{0.0};  // on_a - on_b
@@ -39,7 +41,13 @@ struct Simplex {
     }
 };
 
-std::size_t support(std::span<const dvec3> points, const dvec3& direction) noexcept {
+// A support point and its number; those of a curved surface have none.
+struct Support {
+    dvec3 point{0.0};
+    std::size_t index = 0;
+};
+
+Support support(std::span<const dvec3> points, const dvec3& direction) noexcept {
     std::size_t best = 0;
     double reach = glm::dot(points[0], direction);
     for (std::size_t i = 1; i < points.size(); ++i) {
@@ -49,8 +57,15 @@ std::size_t support(std::span<const dvec3> points, const dvec3& direction) noexc
             best = i;
         }
     }
-    return best;
+    return {points[best], best};
 }
+Support support(const TruncatedCone& solid, const dvec3& direction) noexcept { return {solid.support(direction), 0}; }
+
+// Any point of a set, to begin with.
+const dvec3& some_point(std::span<const dvec3> points) noexcept { return points[0]; }
+const dvec3& some_point(const TruncatedCone& solid) noexcept { return solid.centre; }
+
+bool same(const Corner& a, const Corner& b) noexcept { return a.index_a == b.index_a && a.index_b == b.index_b && a.w == b.w; }
 
 Simplex nearest_on_segment(const Corner& a, const Corner& b) noexcept {
     Simplex s;
@@ -89,33 +104,77 @@ Simplex nearest_on_triangle(const Corner& a, const Corner& b, const Corner& c) n
     return s;
 }
 
+double length_sq(const Simplex& s) noexcept {
+    const dvec3 p = s.point();
+    return glm::dot(p, p);
+}
+
+// The same by trying the edges and the inside, and measuring: for triangles so thin that the tests above decide by rounding. Support points
+// of curved surfaces make such.
+Simplex nearest_on_sliver(const Corner& a, const Corner& b, const Corner& c) noexcept {
+    Simplex best = nearest_on_segment(a, b);
+    double least = length_sq(best);
+    const auto offer = [&](const Simplex& s) {
+        const double sq = length_sq(s);
+        if (sq < least) {
+            best = s;
+            least = sq;
+        }
+    };
+    offer(nearest_on_segment(b, c));
+    offer(nearest_on_segment(c, a));
+    const dvec3 n = glm::cross(b.w - a.w, c.w - a.w);
+    const double nn = glm::dot(n, n);
+    if (!(nn > 0.0)) return best;
+    const dvec3 foot = (glm::dot(n, a.w) / nn) * n;
+    const double wa = glm::dot(n, glm::cross(b.w - foot, c.w - foot)) / nn, wb = glm::dot(n, glm::cross(c.w - foot, a.w - foot)) / nn;
+    const double wc = 1.0 - wa - wb;
+    if (!(wa > 0.0 && wb > 0.0 && wc > 0.0)) return best;
+    Simplex inside;
+    inside.add(a, wa);
+    inside.add(b, wb);
+    inside.add(c, wc);
+    offer(inside);
+    return best;
+}
+
 // The part of the tetrahedron nearest to the origin; four corners where the origin is inside.
-Simplex nearest_on_tetrahedron(const Simplex& t) noexcept {
+// @param all  for curved surfaces, whose support points make tetrahedra so flat that rounding decides which faces turn away from the
+//             origin: looks at those faces too, and believes that the origin is inside only where its weights show it.
+Simplex nearest_on_tetrahedron(const Simplex& t, bool all) noexcept {
     constexpr int kFaces[4][4] = {{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2}, {1, 3, 2, 0}};
     Simplex best;
     double least = 0.0;
+    int inside_of = 0;
+    dvec3 sum{0.0};  // of the corners by the origin's weights: 0 where these are right
+    double extent = 0.0;
     for (const auto& f : kFaces) {
         const Corner &a = t[f[0]], &b = t[f[1]], &c = t[f[2]];
         const dvec3 n = glm::cross(b.w - a.w, c.w - a.w);
         const double inside = glm::dot(n, t[f[3]].w - a.w);
         const double origin = -glm::dot(n, a.w);
-        if (origin * inside > 0.0) continue;
-        const Simplex s = nearest_on_triangle(a, b, c);
-        const dvec3 p = s.point();
-        const double pp = glm::dot(p, p);
+        if (origin * inside > 0.0) {
+            ++inside_of;
+            if (!all) continue;
+            const dvec3& opposite = t[f[3]].w;
+            sum += (origin / inside) * opposite;
+            extent = std::max({extent, std::abs(opposite.x), std::abs(opposite.y), std::abs(opposite.z)});
+        }
+        const Simplex s = all ? nearest_on_sliver(a, b, c) : nearest_on_triangle(a, b, c);
+        const double pp = length_sq(s);
         if (best.count == 0 || pp < least) {
             best = s;
             least = pp;
         }
     }
-    return best.count == 0 ? t : best;
+    return inside_of == 4 && (!all || glm::dot(sum, sum) <= kInside * kInside * extent * extent) ? t : best;
 }
 
-Simplex nearest(const Simplex& s) noexcept {
+Simplex nearest(const Simplex& s, bool curved) noexcept {
     switch (s.count) {
         case 2: return nearest_on_segment(s[0], s[1]);
-        case 3: return nearest_on_triangle(s[0], s[1], s[2]);
-        case 4: return nearest_on_tetrahedron(s);
+        case 3: return curved ? nearest_on_sliver(s[0], s[1], s[2]) : nearest_on_triangle(s[0], s[1], s[2]);
+        case 4: return nearest_on_tetrahedron(s, curved);
         default: return s;
     }
 }
@@ -132,6 +191,13 @@ GjkResult result_of(const Simplex& s, double distance, bool overlap, bool conver
     return r;
 }
 
+// The simplex's point as one corner. Between it and a support point beyond there is always a nearer one, whatever rounding makes of the
+// simplex itself.
+Corner merged(const Simplex& s) noexcept {
+    const GjkResult r = result_of(s, 0.0, false, true);
+    return {s.point(), r.on_a, r.on_b, 0, 0, 1.0};
+}
+
 GjkResult beyond_result(double distance) noexcept {
     GjkResult r;
     r.distance = distance;
@@ -139,32 +205,35 @@ GjkResult beyond_result(double distance) noexcept {
     return r;
 }
 
-}  // namespace
-
-GjkResult gjk(std::span<const dvec3> a, std::span<const dvec3> b, double cutoff) noexcept {
+template <class A, class B>
+GjkResult search(const A& a, const B& b, double cutoff, int max_rounds) noexcept {
+    const bool curved = max_rounds > kMaxRounds;
     Simplex simplex;
-    simplex.add({a[0] - b[0], a[0], b[0], 0, 0, 1.0}, 1.0);
+    simplex.add({some_point(a) - some_point(b), some_point(a), some_point(b), 0, 0, 1.0}, 1.0);
     double extent = 0.0;
     dvec3 v = simplex[0].w;
     double vv = glm::dot(v, v);
-    for (int round = 0; round < kMaxRounds; ++round) {
+    if (!is_finite(vv)) return beyond_result(vv);  // farther apart than any cutoff
+    for (int round = 0; round < max_rounds; ++round) {
         extent = std::max({extent, std::abs(v.x), std::abs(v.y), std::abs(v.z)});
-        if (vv <= kOverlap * kOverlap * extent * extent) return result_of(simplex, 0.0, true, true);
+        // Below 1e-140 the squares of a direction's parts underflow, which curved supports need.
+        if (vv <= kOverlap * kOverlap * extent * extent || (curved && vv < 1e-280)) return result_of(simplex, 0.0, true, true);
 
-        const std::size_t ia = support(a, -v), ib = support(b, v);
-        const Corner next{a[ia] - b[ib], a[ia], b[ib], ia, ib, 1.0};
+        const Support of_a = support(a, -v), of_b = support(b, v);
+        const Corner next{of_a.point - of_b.point, of_a.point, of_b.point, of_a.index, of_b.index, 1.0};
         extent = std::max({extent, std::abs(next.w.x), std::abs(next.w.y), std::abs(next.w.z)});
         const double distance = std::sqrt(vv);
         const double bound = glm::dot(v, next.w);  // the support plane is this far off, times the distance
         if (bound > (cutoff + kRounding * extent) * distance) return beyond_result(distance);
         bool known = vv - bound <= kRelative * vv + kRounding * extent * distance;
-        for (int i = 0; i < simplex.count; ++i) known = known || (simplex[i].index_a == ia && simplex[i].index_b == ib);
+        for (int i = 0; i < simplex.count; ++i) known = known || same(simplex[i], next);
         if (known) return result_of(simplex, distance, false, true);
 
         Simplex grown = simplex;
         grown.add(next, 1.0);
-        const Simplex smaller = nearest(grown);
+        Simplex smaller = nearest(grown, curved);
         if (smaller.count == 4) return result_of(smaller, 0.0, true, true);
+        if (curved && !(length_sq(smaller) < vv)) smaller = nearest_on_segment(merged(simplex), next);
         v = smaller.point();
         const double closer = glm::dot(v, v);
         if (!(closer < vv)) return result_of(simplex, distance, false, true);  // rounding allows no progress
@@ -172,6 +241,16 @@ GjkResult gjk(std::span<const dvec3> a, std::span<const dvec3> b, double cutoff)
         vv = closer;
     }
     return result_of(simplex, std::sqrt(vv), false, false);
+}
+
+}  // namespace
+
+GjkResult gjk(std::span<const dvec3> a, std::span<const dvec3> b, double cutoff) noexcept { return search(a, b, cutoff, kMaxRounds); }
+GjkResult gjk(const TruncatedCone& a, std::span<const dvec3> b, double cutoff) noexcept {
+    return search(a, b, cutoff, kMaxRoundsCurved);
+}
+GjkResult gjk(const TruncatedCone& a, const TruncatedCone& b, double cutoff) noexcept {
+    return search(a, b, cutoff, kMaxRoundsCurved);
 }
 
 }  // namespace carom::detail

@@ -1,16 +1,38 @@
+#include <carom/narrowphase/detail/feature.hpp>
 #include <carom/narrowphase/detail/kernel.hpp>
 #include <carom/narrowphase/detail/workspace.hpp>
 
 namespace carom::detail {
 
+namespace {
+
+// A feature's name among those of all parts. Two points share a name by accident once in 2^64.
+std::uint64_t name_in_parts(std::uint64_t feature, std::uint64_t parts) noexcept { return scrambled(feature + scrambled(parts)); }
+
+}  // namespace
+
+ManifoldSink ManifoldSink::of_part(const dmat3& axes, const dvec3& origin, bool swapped, std::uint32_t part) const noexcept {
+    ManifoldSink inner(axes_ * axes, shift_ + axes_ * origin, false, index_, out_);
+    inner.turn_ = swapped ? -turn_ : turn_;
+    inner.part_a_ = part_a_;
+    inner.part_b_ = part_b_;
+    inner.parts_ = (parts_ << 32) | (part + 1u);
+    // The first shape of this kernel is A unless the pair was swapped.
+    (turn_ > 0.0 ? inner.part_a_ : inner.part_b_) = part;
+    return inner;
+}
+
 void ManifoldSink::add(const Patch& patch) {
     Manifold& manifold = out_.emplace_back();
     manifold.pair = index_;
+    manifold.part_a = static_cast<std::uint16_t>(part_a_);
+    manifold.part_b = static_cast<std::uint16_t>(part_b_);
     manifold.count = static_cast<std::uint32_t>(patch.count);
     manifold.normal = vec3(turn_ * (axes_ * patch.normal));
     for (std::size_t i = 0; i < manifold.count; ++i) {
         const PatchPoint& point = patch.points[i];
-        manifold.points[i] = {vec3(axes_ * point.position + shift_), static_cast<float>(point.separation), point.feature};
+        manifold.points[i] = {vec3(axes_ * point.position + shift_), static_cast<float>(point.separation),
+                              parts_ != 0 ? name_in_parts(point.feature, parts_) : point.feature};
     }
 }
 

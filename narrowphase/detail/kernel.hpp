@@ -43,8 +43,8 @@ struct Patch {
     }
 };
 
-/// Turns the patches of one pair into manifolds about A's origin along world axes, and undoes the swap of a pair whose kernel
-/// takes its shapes in the other order.
+/// Turns the patches of one pair into manifolds about A's origin along world axes, undoes the swap of a pair whose kernel
+/// takes its shapes in the other order, and says of which parts of compounds they are.
 class ManifoldSink {
 public:
     /// @param axes  rotation of the kernel's first shape to world axes; `shift` from A's origin to the first shape's.
@@ -53,10 +53,16 @@ public:
 
     void add(const Patch& patch);
 
+    /// @return the sink for part `part` of the compound that is the kernel's first shape, against its second: for a kernel whose first
+    /// shape lies in this kernel's first frame by `axes` and `origin`; `swapped` where that is the second shape.
+    [[nodiscard]] ManifoldSink of_part(const dmat3& axes, const dvec3& origin, bool swapped, std::uint32_t part) const noexcept;
+
 private:
     dmat3 axes_;
     dvec3 shift_;
     double turn_;
+    std::uint32_t part_a_ = 0, part_b_ = 0;
+    std::uint64_t parts_ = 0;  // in the order in which the kernels took compounds apart, each part counted from 1; 0: none
     std::uint32_t index_;
     std::vector<Manifold>& out_;
 };
@@ -83,8 +89,8 @@ struct BatchInput {
 using WideKernel = void (*)(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace,
                             std::vector<Manifold>& out);
 
-/// The kernel of a pair of types: for one pair at a time, which may take the second type first, or for many. Both are null where there
-/// is none.
+/// The kernel of a pair of types: for one pair at a time, which may take the second type first, or for many; where there are both, the
+/// one for many is faster and preferred. Both are null where there is none.
 struct KernelEntry {
     Kernel function = nullptr;
     WideKernel wide = nullptr;

@@ -24,4 +24,20 @@ CollideStatus box_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink
 CollideStatus capsule_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 CollideStatus hull_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 
+/// Two boxes as polytopes in double: where they are not many, as parts of compounds are not.
+CollideStatus box_box_alone(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+
+// "turned" is a cylinder or a cone.
+CollideStatus turned_sphere(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+CollideStatus turned_box(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+CollideStatus turned_capsule(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+CollideStatus turned_plane(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+CollideStatus turned_hull(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+CollideStatus turned_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+CollideStatus turned_turned(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+
+// Of what touches a compound, each part has manifolds of its own.
+CollideStatus compound_any(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+CollideStatus compound_plane(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+
 }  // namespace carom::detail

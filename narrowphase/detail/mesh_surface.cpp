@@ -24,6 +24,7 @@ double depth_of(const Patch& patch) noexcept {
 
 void MeshSurface::gather(const PairFrame& pair, const Aabb& bounds) {
     const TriangleMesh& mesh = *as<TriangleMeshPtr>(pair.second);
+    mesh_ = &mesh;
     triangles.clear();
     patches.clear();
     in_front_.reset();
@@ -104,7 +105,7 @@ void MeshSurface::emit(double same_normal, double tolerance, ManifoldSink& sink)
                 const PatchPoint& point = p.patch.points[static_cast<std::size_t>(i)];
                 candidates_.push_back({point.position, &p == leader ? point.separation : point.separation * cosine,
                                        glm::dot(point.position, axis_u), glm::dot(point.position, axis_w),
-                                       triangle_feature(p.triangle, point.feature)});
+                                       mesh_feature(mesh_->triangles()[p.triangle], point.feature)});
             }
         }
         Chosen chosen{};

@@ -59,6 +59,7 @@ public:
 private:
     [[nodiscard]] double height_of(const dvec3& p) const noexcept;
 
+    const TriangleMesh* mesh_ = nullptr;  ///< of the last gather()
     std::vector<Candidate> candidates_;
     std::optional<bool> in_front_;
 };

@@ -1,4 +1,4 @@
-// Box against hull, and hull against hull.
+// Box against hull, hull against hull, and box against box where there is but one pair of them.
 #include <carom/collision/convex_hull.hpp>
 #include <carom/narrowphase/detail/kernels.hpp>
 #include <carom/narrowphase/detail/polytope_patch.hpp>
@@ -16,6 +16,14 @@ void touch(const GjkResult& distance, double margin, Workspace& workspace, Manif
 }
 
 }  // namespace
+
+CollideStatus box_box_alone(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
+    load_box(workspace.first, dvec3(as<Box>(pair.first).half_extents), dmat3{1.0}, dvec3{0.0});
+    load_box(workspace.second, dvec3(as<Box>(pair.second).half_extents), pair.rotation, pair.translation);
+    const GjkResult distance = gjk(workspace.first.vertices, workspace.second.vertices, pair.margin);
+    if (!distance.beyond) touch(distance, pair.margin, workspace, sink);
+    return CollideStatus::Ok;
+}
 
 CollideStatus box_hull(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
     const ConvexHull& hull = *as<ConvexHullPtr>(pair.second);

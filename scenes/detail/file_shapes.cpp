@@ -1,5 +1,6 @@
 #include <carom/scenes/detail/file_shapes.hpp>
 
+#include <carom/collision/compound.hpp>
 #include <carom/collision/convex_hull.hpp>
 #include <carom/collision/mass_properties.hpp>
 #include <carom/collision/teapot.hpp>
@@ -109,6 +110,49 @@ Shape read_plane(Fields& fields) {
     return Plane{vec3(normal / length), offset};
 }
 
+ShapeDef read_matter(Fields& fields) {
+    ShapeDef def;
+    if (const auto given = fields.find("density")) def.density = positive(*given);
+    if (const auto given = fields.find("friction")) {
+        if (number(*given) < 0.0) fail_at(*given, ErrorCode::InvalidArgument, "must not be negative");
+        def.friction = single(*given);
+    }
+    if (const auto given = fields.find("restitution")) def.restitution = static_cast<float>(number(*given, 0.0, 1.0));
+    if (const auto given = fields.find("position")) def.local.position = vector(*given);
+    if (const auto given = fields.find("orientation")) def.local.orientation = rotation(*given);
+    return def;
+}
+
+Shape read_geometry(const Node& node, Fields& fields);
+
+CompoundPart read_part(const Node& node) {
+    Fields fields(node);
+    CompoundPart part{read_geometry(node, fields)};
+    const ShapeDef def = read_matter(fields);
+    fields.done();
+    part.pose = def.local;
+    if (fields.find("density")) part.material.density = def.density;
+    if (fields.find("friction")) part.material.friction = def.friction;
+    if (fields.find("restitution")) part.material.restitution = def.restitution;
+    if (const ShapeType type = type_of(part.shape); !is_convex_solid(type)) {
+        fail_at(node, ErrorCode::WrongType, fmt::format("a {} cannot be part of a compound", to_string(type)));
+    }
+    return part;
+}
+
+Shape read_compound(Fields& fields) {
+    const Node list = fields.require("parts");
+    std::vector<CompoundPart> parts;
+    for (std::size_t i = 0; i < array(list).size(); ++i) parts.push_back(read_part(element(list, i)));
+    return value_or_fail(list, Compound::build(std::move(parts)));
+}
+
+template <class Turned>
+Shape read_turned(Fields& fields) {
+    const float radius = positive_single(fields.require("radius"));
+    return Turned{radius, positive_single(fields.require("half_height"))};
+}
+
 Shape read_geometry(const Node& node, Fields& fields) {
     const Node type_node = fields.require("type");
     const std::string& type = text(type_node);
@@ -125,23 +169,13 @@ Shape read_geometry(const Node& node, Fields& fields) {
         if (number(half_segment) < 0.0) fail_at(half_segment, ErrorCode::InvalidArgument, "must not be negative");
         return Capsule{radius, single(half_segment)};
     }
+    if (type == "cylinder") return read_turned<Cylinder>(fields);
+    if (type == "cone") return read_turned<Cone>(fields);
+    if (type == "compound") return read_compound(fields);
     if (type == "plane") return read_plane(fields);
     if (type == "convex_hull") return read_hull(node, fields);
     if (type == "triangle_mesh") return read_mesh(node, fields);
     fail_at(type_node, ErrorCode::UnknownName, fmt::format("there is no shape \"{}\"", type));
-}
-
-ShapeDef read_matter(Fields& fields) {
-    ShapeDef def;
-    if (const auto given = fields.find("density")) def.density = positive(*given);
-    if (const auto given = fields.find("friction")) {
-        if (number(*given) < 0.0) fail_at(*given, ErrorCode::InvalidArgument, "must not be negative");
-        def.friction = single(*given);
-    }
-    if (const auto given = fields.find("restitution")) def.restitution = static_cast<float>(number(*given, 0.0, 1.0));
-    if (const auto given = fields.find("position")) def.local.position = vector(*given);
-    if (const auto given = fields.find("orientation")) def.local.orientation = rotation(*given);
-    return def;
 }
 
 /// Refuses what the body cannot carry.

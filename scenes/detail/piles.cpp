@@ -1,4 +1,7 @@
-// A room full of bodies that fall and settle: boxes only, or spheres, boxes, capsules and hulls in turn.
+// A room full of bodies that fall and settle: boxes only, or spheres, boxes, capsules and hulls in turn, or every convex shape and a
+// compound.
+#include <carom/collision/compound.hpp>
+#include <carom/core/math.hpp>
 #include <carom/scenes/detail/recipe.hpp>
 
 #include <cmath>
@@ -27,7 +30,44 @@ Shape draw_mixed(Random& random, int i, const dvec3& half) {
     }
 }
 
-Result<SceneRun> build_pile(const Request& request, const char* name, bool mixed) {
+/// Two heavy balls on a bar along x, in a box of the given half extents.
+Shape dumbbell(const dvec3& half) {
+    const auto ball = static_cast<float>(0.6 * half.y);
+    const double arm = half.x - 0.6 * half.y;
+    const SinCos eighth = sin_cos(0.25 * kPi);
+    const Pose bar{dvec3{0.0}, {eighth.cos, 0.0, 0.0, eighth.sin}};
+    std::vector<CompoundPart> parts{{Sphere{ball}, {{-arm, 0.0, 0.0}}, {.density = 2000.0}},
+                                    {Sphere{ball}, {{arm, 0.0, 0.0}}, {.density = 2000.0}},
+                                    {Cylinder{static_cast<float>(0.2 * half.y), static_cast<float>(arm)}, bar}};
+    return Compound::build(std::move(parts)).value();
+}
+
+/// @return the shape of body `i` of the pile of all shapes, drawing what it needs.
+Shape draw_any(Random& random, int i, const dvec3& half) {
+    switch (i % 7) {
+        case 4:
+            return Cylinder{static_cast<float>(half.x), static_cast<float>(half.y)};
+        case 5:
+            return Cone{static_cast<float>(half.x), static_cast<float>(half.y)};
+        case 6:
+            return dumbbell({half.x + 0.25, half.y, half.z});
+        default:
+            return draw_mixed(random, i % 7, half);
+    }
+}
+
+enum class PileOf { Boxes, Mixed, Shapes };
+
+Shape draw_shape(PileOf kind, Random& random, int i, const dvec3& half) {
+    switch (kind) {
+        case PileOf::Mixed: return draw_mixed(random, i, half);
+        case PileOf::Shapes: return draw_any(random, i, half);
+        case PileOf::Boxes: break;
+    }
+    return Box{vec3(half)};
+}
+
+Result<SceneRun> build_pile(const Request& request, const char* name, PileOf kind) {
     const int across = static_cast<int>(std::lround(0.8 * std::cbrt(request.bodies)));
     const int layers = request.bodies == 0 ? 0 : (request.bodies - 1) / (across * across) + 1;
     const double half_width = kCell * across / 2.0 + 0.25;
@@ -46,7 +86,7 @@ Result<SceneRun> build_pile(const Request& request, const char* name, bool mixed
         body.position = {(cell % across - (across - 1) / 2.0) * kCell, 1.0 + kLayer * layer,
                          (cell / across - (across - 1) / 2.0) * kCell};
         const dvec3 half = draw_half_extents(random);
-        Shape shape = mixed ? draw_mixed(random, i, half) : Shape{Box{vec3(half)}};
+        Shape shape = draw_shape(kind, random, i, half);
         draw_yaw_and_spin(random, body);
         add_body(run.world, body, std::move(shape));
     }
@@ -63,14 +103,21 @@ std::vector<Recipe> pile_recipes() {
                   .steps = 600,
                   .parameters = {}},
          .seed = 12345,
-         .build = [](const Request& request) { return build_pile(request, "pile_boxes", false); }},
+         .build = [](const Request& request) { return build_pile(request, "pile_boxes", PileOf::Boxes); }},
         {.info = {.name = "pile_mixed",
                   .summary = "spheres, boxes, capsules and hulls fall into a walled room and settle",
                   .bodies = 1000,
                   .steps = 600,
                   .parameters = {}},
          .seed = 12345,
-         .build = [](const Request& request) { return build_pile(request, "pile_mixed", true); }},
+         .build = [](const Request& request) { return build_pile(request, "pile_mixed", PileOf::Mixed); }},
+        {.info = {.name = "pile_shapes",
+                  .summary = "spheres, boxes, capsules, hulls, cylinders, cones and dumbbells fall into a walled room and settle",
+                  .bodies = 700,
+                  .steps = 600,
+                  .parameters = {}},
+         .seed = 12345,
+         .build = [](const Request& request) { return build_pile(request, "pile_shapes", PileOf::Shapes); }},
     };
 }
 

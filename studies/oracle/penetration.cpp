@@ -1,6 +1,7 @@
 #include <carom/studies/oracle/penetration.hpp>
 
 #include <carom/collision/aabb.hpp>
+#include <carom/collision/compound.hpp>
 #include <carom/collision/convex_hull.hpp>
 #include <carom/collision/triangle_mesh.hpp>
 #include <carom/studies/oracle/polytope.hpp>
@@ -66,8 +67,9 @@ Aabb box_of_points(std::span<const dvec3> points, double margin) {
     return inflate(box, margin);
 }
 
-Item make_item(const World& world, BodyId body, ShapeId id) {
-    Item item{.shape = &world.shape(id), .def = &world.shape_def(id), .body = body, .pose = world.shape_pose(id)};
+/// @param shape, pose  of the shape `id` or of a part of it, in the world.
+Item make_item(const World& world, BodyId body, ShapeId id, const Shape& shape, const Pose& pose) {
+    Item item{.shape = &shape, .def = &world.shape_def(id), .body = body, .pose = pose};
     item.dynamic = world.type(body) == BodyType::Dynamic;
     item.round = make_round(*item.shape, item.pose);
     if (item.round) {
@@ -94,8 +96,12 @@ Inventory take_inventory(const World& world) {
             const ShapeType type = type_of(world.shape(id));
             if (type == ShapeType::Plane || type == ShapeType::TriangleMesh) {
                 inventory.grounds.push_back({&world.shape(id), &world.shape_def(id), body, world.shape_pose(id)});
+            } else if (const CompoundPtr* compound = std::get_if<CompoundPtr>(&world.shape(id))) {
+                for (const CompoundPart& part : (*compound)->parts()) {
+                    inventory.items.push_back(make_item(world, body, id, part.shape, world.shape_pose(id) * part.pose));
+                }
             } else {
-                inventory.items.push_back(make_item(world, body, id));
+                inventory.items.push_back(make_item(world, body, id, world.shape(id), world.shape_pose(id)));
             }
         }
     }

@@ -18,7 +18,7 @@ struct PenetrationSummary {
 };
 
 struct Penetration {
-    PenetrationSummary polytopes;  ///< boxes and hulls against each other: the least overlap over the separating axes
+    PenetrationSummary polytopes;  ///< boxes, hulls, cylinders and cones against each other: the least overlap over the separating axes
     PenetrationSummary round;      ///< spheres and capsules against each other and against boxes and hulls
     /// Everything against meshes and planes: how far the deepest sample (a corner of a box or hull, the end of a
     /// capsule's segment or the centre of a sphere, less the radius) lies behind the surface. Behind a mesh means:
@@ -34,7 +34,7 @@ struct PenetrationSettings {
     bool terrain = true;
 };
 
-/// Looks at every pair of shapes of two bodies of which at least one is dynamic and whose layers and masks meet;
+/// Looks at every pair of shapes, or parts of compounds, of two bodies of which at least one is dynamic and whose layers and masks meet;
 /// quarantined bodies are left out. Pairs come from a sort and sweep over exact boxes, so none is missed. Accuracy: see
 /// <carom/studies/oracle/polytope.hpp>. Cost: O(n log n + candidates); 16,000 boxes in a heap take about 0.1 s.
 /// Allocates; const, so several may run at once.

@@ -1,6 +1,7 @@
 #include <carom/studies/oracle/polytope.hpp>
 
 #include <carom/collision/convex_hull.hpp>
+#include <carom/core/math.hpp>
 
 #include <algorithm>
 #include <array>
@@ -192,9 +193,25 @@ double segment_gap(const dvec3& p, const dvec3& q, const Polytope& polytope) {
     return best;
 }
 
+std::optional<Polytope> turned_polytope(float lower, float upper, float half_height, const Pose& pose) {
+    std::vector<vec3> points;
+    for (int k = 0; k < kTurnedSides; ++k) {
+        const SinCos angle = sin_cos(2.0 * kPi * k / kTurnedSides);
+        const vec3 outward(dvec3{angle.cos, 0.0, angle.sin});
+        points.push_back(lower * outward - vec3{0.0f, half_height, 0.0f});
+        points.push_back(upper * outward + vec3{0.0f, half_height, 0.0f});
+    }
+    const Result<ConvexHullPtr> hull = ConvexHull::build(points);
+    return hull ? std::optional(hull_polytope(**hull, pose)) : std::nullopt;
+}
+
 }  // namespace
 
 std::optional<Polytope> make_polytope(const Shape& shape, const Pose& pose) {
+    if (const Cylinder* cylinder = std::get_if<Cylinder>(&shape)) {
+        return turned_polytope(cylinder->radius, cylinder->radius, cylinder->half_height, pose);
+    }
+    if (const Cone* cone = std::get_if<Cone>(&shape)) return turned_polytope(cone->radius, 0.0f, cone->half_height, pose);
     if (const Box* box = std::get_if<Box>(&shape)) return box_polytope(*box, pose);
     if (const ConvexHullPtr* hull = std::get_if<ConvexHullPtr>(&shape)) return hull_polytope(**hull, pose);
     return std::nullopt;

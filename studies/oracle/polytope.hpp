@@ -33,7 +33,8 @@ struct Polytope {
     std::vector<std::uint32_t> loops;
 };
 
-/// @return the polytope of a box or a hull at `pose`; nothing for other shapes.
+/// @return the polytope of a box or a hull at `pose`; of a cylinder or cone the prism or pyramid inside it with kTurnedSides sides, which
+/// lacks at most 0.5 % of the radius; nothing for other shapes.
 [[nodiscard]] std::optional<Polytope> make_polytope(const Shape& shape, const Pose& pose);
 
 /// @return the least overlap over the separating axes, which is the shortest translation that parts the two [m]; 0 if
@@ -42,6 +43,8 @@ struct Polytope {
 /// over all vertices. Accuracy: a few ulp of the sizes; where a hull merged faces that are not quite coplanar, never
 /// too small and too large by that angle at most. Cost: O(F V + E²), with four products for most pairs of edges.
 [[nodiscard]] double overlap_depth(const Polytope& a, const Polytope& b);
+
+inline constexpr int kTurnedSides = 32;
 
 /// The same for two boxes, by the 15 axes. @param pose_a, pose_b  of the boxes in one frame.
 [[nodiscard]] double overlap_depth(const Box& a, const Pose& pose_a, const Box& b, const Pose& pose_b);

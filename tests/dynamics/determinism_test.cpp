@@ -1,5 +1,6 @@
 // The same bits on every number of threads, at every SIMD width, with the automatic plan and with everything on; and no
 // allocation once warm.
+#include <carom/collision/compound.hpp>
 #include <carom/dynamics/world.hpp>
 
 #include <carom/core/check.hpp>
@@ -56,9 +57,14 @@ World make_pile(const WorldDef& def) {
                                                .angular_velocity = {random.unit(), 0.0, random.unit()}});
         const auto size = static_cast<float>(random.range(0.25, 0.5));
         const ShapeDef material{.restitution = i % 7 == 0 ? 0.4f : 0.0f};
-        switch (i % 3) {
+        switch (i % 6) {
             case 0: world.add_shape(body, Sphere{size}, material); break;
             case 1: world.add_shape(body, Box{{size, 0.4f, 0.3f}}, material); break;
+            case 2: world.add_shape(body, Cylinder{size, 0.3f}, material); break;
+            case 3: world.add_shape(body, Cone{size, 0.4f}, material); break;
+            case 4:
+                world.add_shape(body, *Compound::build({{Sphere{0.2f}, {{0, 0.3, 0}}, {.restitution = 0.5f}}, {Box{{size, 0.1f, 0.2f}}}}), material);
+                break;
             default: world.add_shape(body, Capsule{0.25f, size}, material); break;
         }
     }

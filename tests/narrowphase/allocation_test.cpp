@@ -1,6 +1,7 @@
 // The batch allocates nothing once it is warm.
 #include "oracle.hpp"
 
+#include <carom/collision/compound.hpp>
 #include <carom/collision/triangle_mesh.hpp>
 #include <carom/core/executor.hpp>
 
@@ -17,7 +18,8 @@ TEST(Allocation, NoneOnceWarm) {
     const std::vector<vec3> v = {{-4, 0, -4}, {-4, 0, 4}, {4, 0.5f, -4}, {4, 0, 4}};
     const std::vector<TriangleMesh::Triangle> t = {{0, 1, 3}, {0, 3, 2}};
     const std::vector<Shape> shapes = {Sphere{0.4f}, Box{{0.4f, 0.3f, 0.5f}}, Capsule{0.2f, 0.4f}, Plane{}, random_hull(r, 20, 0.3, 0.6),
-                                       *TriangleMesh::build(v, t)};
+                                       *TriangleMesh::build(v, t), Cylinder{0.4f, 0.3f}, Cone{0.4f, 0.5f},
+                                       *Compound::build({{Sphere{0.3f}, {{0.3, 0, 0}}}, {Box{}}, {Cylinder{}, {{0, 0, 0.4}}}})};
     std::vector<ShapePair> pairs;
     for (int i = 0; i < 40; ++i) {
         for (const Shape& a : shapes) {

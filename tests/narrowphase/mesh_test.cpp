@@ -76,16 +76,41 @@ TEST(Mesh, TiltedBoxTouchesAlongTheVertical) {
     }
 }
 
-TEST(Mesh, SphereAndCapsuleRollOverInnerEdges) {
+// The four chosen of the rim's sixteen corners, whatever triangles lie under it, and under the same names a little farther on.
+TEST(Mesh, ACylinderOnManyTrianglesRestsOnItsRim) {
+    const Shape ground = flat(16, 0.125);
+    Random r(11);
+    for (const Shape& shape : {Shape{Cylinder{0.5f, 0.25f}}, Shape{Cone{0.5f, 0.25f}}}) {
+        for (int i = 0; i < 50; ++i) {
+            const Pose pose{{r.range(-0.2, 0.2), 0.249, r.range(-0.2, 0.2)}, about({0, 1, 0}, i == 0 ? 0.0 : r.range(0, 6))};
+            const std::vector<Manifold> m = collide_all(shape, pose, ground, {}, 0.01f);
+            ASSERT_EQ(m.size(), 1u) << i;
+            ASSERT_EQ(m[0].count, 4u) << i;
+            EXPECT_NEAR(m[0].normal.y, -1.0f, 1e-6f);
+            for (const ContactPoint& p : m[0].used()) {
+                EXPECT_NEAR(p.separation, -0.001f, 1e-6f);
+                EXPECT_GT(std::hypot(p.position.x, p.position.z), 0.48f);
+                EXPECT_LT(std::hypot(p.position.x, p.position.z), 0.5f + 1e-5f);
+            }
+        }
+    }
+}
+
+TEST(Mesh, RoundShapesRollOverInnerEdges) {
     const Shape ground = flat(16, 0.25);
     const Shape ball = Sphere{0.3f};
-    const Shape roll = Capsule{0.3f, 0.5f};
+    const Shape roll = Capsule{0.3f, 0.5f}, drum = Cylinder{0.3f, 0.5f};
     for (int i = 0; i < 400; ++i) {
         const Pose pose{{-1.0 + i * 0.005, 0.299, -0.3 + i * 0.0017}, about({1, 0, 1}, 0.5 * kPi)};
-        for (const Shape* shape : {&ball, &roll}) {
+        for (const Shape* shape : {&ball, &roll, &drum}) {
             const std::vector<Manifold> m = collide_all(*shape, pose, ground, {}, 0.02f);
             ASSERT_EQ(m.size(), 1u) << i << " " << to_string(type_of(*shape));
-            EXPECT_EQ(m[0].count, shape == &ball ? 1u : 2u) << i;
+            // A corner of the mesh beside the drum's line, and as deep to 1e-6, may come along.
+            if (shape == &drum) {
+                EXPECT_GE(m[0].count, 2u) << i;
+            } else {
+                EXPECT_EQ(m[0].count, shape == &ball ? 1u : 2u) << i;
+            }
             EXPECT_LT(m[0].normal.y, -1.0f + 1e-6f);
             EXPECT_NEAR(least_separation(m[0]), -0.001f, 1e-6f);
         }
@@ -158,7 +183,7 @@ TEST(Mesh, HugeTriangleUnderTinyShapes) {
 TEST(Mesh, TheSurfaceOfAHullIsAsFarAsTheHull) {
     Random r(4);
     int near = 0, shallow = 0;
-    for (int i = 0; i < 2000; ++i) {
+    for (int i = 0; i < 3000; ++i) {
         const ConvexHullPtr hull = random_hull(r, 16, 0.4, 0.8);
         std::vector<TriangleMesh::Triangle> triangles;
         const auto edges = hull->edges();
@@ -168,8 +193,9 @@ TEST(Mesh, TheSurfaceOfAHullIsAsFarAsTheHull) {
             }
         }
         const Shape solid = hull, surface = *TriangleMesh::build(hull->vertices(), triangles);
-        const Shape others[] = {Sphere{0.3f}, Box{{0.3f, 0.2f, 0.4f}}, Capsule{0.2f, 0.3f}, random_hull(r, 12, 0.3, 0.5)};
-        const Shape& other = others[i % 4];
+        const Shape others[] = {Sphere{0.3f},        Box{{0.3f, 0.2f, 0.4f}},        Capsule{0.2f, 0.3f},
+                                Cylinder{0.3f, 0.3f}, random_hull(r, 12, 0.3, 0.5), Cone{0.3f, 0.4f}};
+        const Shape& other = others[i % 6];
         const Pose pose{random_direction(r) * r.range(0.6, 1.3), random_rotation(r)};
         const float margin = 0.1f;
         const std::vector<Manifold> s = collide_all(other, pose, solid, {}, margin), m = collide_all(other, pose, surface, {}, margin);

@@ -43,7 +43,7 @@ TEST(Catalogue, HasEverySceneOnceAndBuildsItAsItSays) {
         EXPECT_EQ(static_cast<int>(dynamic_bodies(run.world).size()), at_start) << info.name;
         EXPECT_EQ(scenes::count_escaped(run.world, run.domain), 0) << info.name;
     }
-    for (const char* name : {"pyramid", "pile_boxes", "pile_mixed", "mesh_bowl", "tall_stack", "mass_ratio",
+    for (const char* name : {"pyramid", "pile_boxes", "pile_mixed", "pile_shapes", "mesh_bowl", "tall_stack", "mass_ratio",
                              "wall_fast", "single_body_spin", "teapots", "fountain", "dominoes"}) {
         EXPECT_TRUE(names.contains(name)) << name;
     }

@@ -1,6 +1,7 @@
 // Scene files: what they say is what is built, and whatever is wrong with them is named.
 #include "support.hpp"
 
+#include <carom/collision/compound.hpp>
 #include <carom/collision/convex_hull.hpp>
 #include <carom/collision/triangle_mesh.hpp>
 
@@ -261,6 +262,52 @@ TEST_F(ReadScene, RefusesOptionsThatAFileDoesNotHave) {
     const Result<SceneRun> substeps = read_scene(kExamples + "crates.json", {.substeps = -1});
     ASSERT_FALSE(substeps.has_value());
     EXPECT_EQ(substeps.error().where, "substeps");
+}
+
+TEST_F(ReadScene, CylindersConesAndCompounds) {
+    const Result<SceneRun> round = read_body("\"shapes\": [\n"
+                                             "{\"type\": \"cylinder\", \"radius\": 0.5, \"half_height\": 1},\n"
+                                             "{\"type\": \"cone\", \"radius\": 0.25, \"half_height\": 2, \"position\": [0, 3, 0]}]");
+    ASSERT_TRUE(round.has_value()) << round.error().where << ": " << round.error().message;
+    const World& world = round->world;
+    const auto shapes = world.shapes(world.bodies()[0]);
+    EXPECT_EQ(world.shape(shapes[0]), Shape(Cylinder{0.5f, 1.0f}));
+    EXPECT_EQ(world.shape(shapes[1]), Shape(Cone{0.25f, 2.0f}));
+
+    const Result<SceneRun> mixed =
+        read_shape("\"type\": \"compound\", \"density\": 500, \"friction\": 0.1, \"parts\": [\n"
+                   "{\"type\": \"sphere\", \"radius\": 1, \"position\": [2, 0, 0], \"density\": 3000, \"restitution\": 0.5},\n"
+                   "{\"type\": \"cylinder\", \"radius\": 1, \"half_height\": 2, \"friction\": 0.9,\n"
+                   " \"orientation\": {\"axis\": [0, 0, 1], \"angle\": 1}}]");
+    ASSERT_TRUE(mixed.has_value()) << mixed.error().where << ": " << mixed.error().message;
+    const CompoundPtr& compound = std::get<CompoundPtr>(mixed->world.shape(mixed->world.shapes(mixed->world.bodies()[0])[0]));
+    ASSERT_EQ(compound->parts().size(), 2u);
+    EXPECT_EQ(compound->parts()[0].pose.position, dvec3(2, 0, 0));
+    EXPECT_EQ(compound->parts()[0].material.density, 3000.0);
+    EXPECT_EQ(compound->parts()[0].material.restitution, 0.5f);
+    EXPECT_FALSE(compound->parts()[0].material.friction.has_value());
+    EXPECT_EQ(compound->parts()[1].material.friction, 0.9f);
+    EXPECT_FALSE(compound->parts()[1].material.density.has_value());
+
+    expect_error(read_shape("\"type\": \"cylinder\", \"radius\": 1"), ErrorCode::Empty, ":3: bodies[0].shapes[0]");
+    expect_error(read_shape("\"type\": \"cylinder\", \"radius\": -1, \"half_height\": 1"), ErrorCode::InvalidArgument,
+                 ":3: bodies[0].shapes[0].radius");
+    expect_error(read_shape("\"type\": \"cone\", \"radius\": 1, \"half_height\": 0"), ErrorCode::InvalidArgument,
+                 ":3: bodies[0].shapes[0].half_height");
+    expect_error(read_shape("\"type\": \"cone\", \"radius\": 1, \"half_height\": 1e6"), ErrorCode::InvalidArgument,
+                 ":3: bodies[0].shapes[0]");
+    expect_error(read_shape("\"type\": \"cone\", \"radius\": 1, \"half_height\": 1, \"half_segment\": 1"), ErrorCode::UnknownName,
+                 ":3: bodies[0].shapes[0].half_segment");
+    const auto part = [&](const std::string& text) { return read_shape("\"type\": \"compound\", \"parts\": [\n{" + text + "}]"); };
+    expect_error(read_shape("\"type\": \"compound\""), ErrorCode::Empty, ":3: bodies[0].shapes[0]");
+    expect_error(read_shape("\"type\": \"compound\", \"parts\": []"), ErrorCode::Empty, ":3: bodies[0].shapes[0].parts");
+    expect_error(part("\"type\": \"plane\", \"normal\": [0, 1, 0]"), ErrorCode::WrongType, ":4: bodies[0].shapes[0].parts[0]");
+    expect_error(part("\"type\": \"compound\", \"parts\": [{\"type\": \"sphere\", \"radius\": 1}]"), ErrorCode::WrongType,
+                 ":4: bodies[0].shapes[0].parts[0]");
+    expect_error(part("\"type\": \"sphere\", \"radius\": 1, \"mass\": 1"), ErrorCode::UnknownName,
+                 ":4: bodies[0].shapes[0].parts[0].mass");
+    expect_error(part("\"type\": \"sphere\", \"radius\": 1, \"restitution\": 2"), ErrorCode::InvalidArgument,
+                 ":4: bodies[0].shapes[0].parts[0].restitution");
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 // The triangles of each shape: how many, where, and which way they face.
+#include <carom/collision/compound.hpp>
 #include <carom/core/check.hpp>
 #include <carom/core/math.hpp>
 #include <carom/core/random.hpp>
@@ -105,6 +106,26 @@ TEST(ShapeGeometry, RoundShapesAreClosedAndApproachTheirVolume) {
     EXPECT_EQ(surface_of(Capsule{0.5f, 0.0f}).triangles.size(), surface_of(Sphere{0.5f}).triangles.size());
 }
 
+TEST(ShapeGeometry, CylindersConesAndCompoundsAreClosedAndApproachTheirVolume) {
+    for (const int n : {4, 20, 64}) {
+        const DebugLayer cylinder = surface_of(Cylinder{0.5f, 0.75f}, {}, n), cone = surface_of(Cone{0.5f, 0.75f}, {}, n);
+        EXPECT_EQ(cylinder.triangles.size(), static_cast<std::size_t>(4 * n - 4));
+        EXPECT_EQ(cone.triangles.size(), static_cast<std::size_t>(2 * n - 2));
+        const double shrink = n / (2.0 * kPi) * std::sin(2.0 * kPi / n);  // the polygon's area over the circle's
+        const double tube = kPi * 0.25 * 1.5;
+        EXPECT_NEAR(volume(cylinder), shrink * tube, 1e-5);
+        EXPECT_NEAR(volume(cone), shrink * tube / 3.0, 1e-5);
+        for (const DebugLayer& layer : {cylinder, cone}) {
+            EXPECT_TRUE(is_watertight(layer));
+            expect_normals_agree(layer);
+        }
+        const CompoundPtr both = *Compound::build({{Cylinder{0.5f, 0.75f}, {{1, 0, 0}}}, {Cone{0.5f, 0.75f}, {{-1, 0, 0}}}});
+        const DebugLayer parts = surface_of(both, {{0, 2, 0}}, n);
+        EXPECT_EQ(parts.triangles.size(), cylinder.triangles.size() + cone.triangles.size());
+        EXPECT_NEAR(volume(parts), volume(cylinder) + volume(cone), 1e-5);
+    }
+}
+
 TEST(ShapeGeometry, RoundVerticesLieOnTheSurface) {
     const Pose pose{{10.0, -3.0, 2.0}, rotation_from_vector({0.3, 1.1, -0.4})};
     const Capsule capsule{0.25f, 0.5f};
@@ -171,6 +192,7 @@ TEST(ShapeGeometry, MisuseIsReportedAndAppendsNothing) {
     EXPECT_EQ(error_of([&] { append_shape(layer, Plane{}, {}, style); }).code, ErrorCode::WrongType);
     EXPECT_EQ(error_of([&] { append_shape(layer, ConvexHullPtr{}, {}, style); }).code, ErrorCode::Empty);
     EXPECT_EQ(error_of([&] { append_shape(layer, TriangleMeshPtr{}, {}, style); }).code, ErrorCode::Empty);
+    EXPECT_EQ(error_of([&] { append_shape(layer, CompoundPtr{}, {}, style); }).code, ErrorCode::Empty);
     EXPECT_EQ(error_of([&] { append_shape(layer, Box{}, {{kNaN, 0.0, 0.0}}, style); }).code, ErrorCode::NotFinite);
     for (const int n : {0, -4, 6, 260}) {
         EXPECT_EQ(error_of([&] { append_shape(layer, Sphere{}, {}, two_tone(palette(0), kBody, n)); }).code,
