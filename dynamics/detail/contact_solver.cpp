@@ -105,7 +105,7 @@ void ContactSolver::fill_sides(const ProxySet& proxies, const BodyArrays& bodies
                             .centre = bodies.states[proxy.body].pose.position,
                             .extent = proxy.extent,
                             .surface = {proxy.friction, proxy.restitution},
-                            .compound = compound_of(*proxy.shape),
+                            .compound = compound_of(proxy.shape),
                             .row = row == kNoRow ? static_cast<std::int32_t>(slot_of_row_.size()) : row,
                             .is_static = bodies.roles[proxy.body] == Role::Static};
         }

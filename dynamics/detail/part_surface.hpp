@@ -1,6 +1,6 @@
 // Friction and restitution where a contact is: of a compound those of the part that it touches with.
 //
-//   Surface s = surface_of_part({proxy.friction, proxy.restitution}, compound_of(*proxy.shape), manifold.part_a);
+//   Surface s = surface_of_part({proxy.friction, proxy.restitution}, compound_of(proxy.shape), manifold.part_a);
 #pragma once
 
 #include <carom/collision/compound.hpp>
