@@ -104,9 +104,8 @@ void ContactSolver::fill_sides(const ProxySet& proxies, const BodyArrays& bodies
             sides_[slot] = {.origin = proxies.poses[slot].position,
                             .centre = bodies.states[proxy.body].pose.position,
                             .extent = proxy.extent,
-                            .parts = std::holds_alternative<CompoundPtr>(proxy.shape) ? &proxy : nullptr,
-                            .friction = proxy.friction,
-                            .restitution = proxy.restitution,
+                            .surface = {proxy.friction, proxy.restitution},
+                            .compound = compound_of(proxy.shape),
                             .row = row == kNoRow ? static_cast<std::int32_t>(slot_of_row_.size()) : row,
                             .is_static = bodies.roles[proxy.body] == Role::Static};
         }
@@ -137,7 +136,8 @@ ManifoldRow ContactSolver::row_of(const Manifold& manifold, const Side& a, const
     set(row.origin_a, origin_a);
     set(row.origin_b, origin_b);
     row.push_limit = static_cast<float>(settings_.max_push * std::min(a.extent, b.extent) / settings_.dt);
-    const Surface surface_a = a.surface(manifold.part_a), surface_b = b.surface(manifold.part_b);
+    const Surface surface_a = surface_of_part(a.surface, a.compound, manifold.part_a);
+    const Surface surface_b = surface_of_part(b.surface, b.compound, manifold.part_b);
     row.friction = std::sqrt(surface_a.friction * surface_b.friction);
     row.restitution = std::max(surface_a.restitution, surface_b.restitution);
     row.row_a = a.row;

@@ -60,13 +60,10 @@ private:
         dvec3 origin{0.0};  ///< of the shape in the world
         dvec3 centre{0.0};  ///< of mass of its body
         double extent = 0.0;
-        const Proxy* parts = nullptr;  ///< of a compound, each with a surface of its own
-        float friction = 0.0f, restitution = 0.0f;
+        Surface surface;
+        const Compound* compound = nullptr;  ///< whose parts may have surfaces of their own
         std::int32_t row = 0;
         bool is_static = false;
-        [[nodiscard]] Surface surface(std::uint16_t part) const noexcept {
-            return parts != nullptr ? surface_of(*parts, part) : Surface{friction, restitution};
-        }
     };
     void assign_rows(const ContactSet& contacts, const BodyArrays& bodies);
     void fill_rows(const BodyArrays& bodies, Executor& executor);

@@ -213,6 +213,7 @@ GjkResult search(const A& a, const B& b, double cutoff, int max_rounds) noexcept
     double extent = 0.0;
     dvec3 v = simplex[0].w;
     double vv = glm::dot(v, v);
+    if (!is_finite(vv)) return beyond_result(vv);  // farther apart than any cutoff
     for (int round = 0; round < max_rounds; ++round) {
         extent = std::max({extent, std::abs(v.x), std::abs(v.y), std::abs(v.z)});
         // Below 1e-140 the squares of a direction's parts underflow, which curved supports need.

@@ -111,9 +111,10 @@ inline std::string contact_fault(const Shape& a, const Pose& pa, const Shape& b,
         }
     }
     const bool convex = !std::holds_alternative<CompoundPtr>(a) && !std::holds_alternative<CompoundPtr>(b);
-    // Floats lose what is smaller than their least normal number, and a shape that is nothing next to the other has no faces to speak of.
-    const double smaller = std::min(bounding_radius(a), bounding_radius(b));
-    if (!convex || !(size > 1e-30) || smaller < 1e-9 * size) return "";
+    // Floats lose what is smaller than their least normal number, and a shape that is nothing next to the other, or a needle beyond what
+    // cylinders may be, has no faces to speak of.
+    const double thin = std::min(smallest_extent(a), smallest_extent(b));
+    if (!convex || !(size > 1e-30) || thin < 1e-9 * size) return "";
     if (out.size() > 1) return "several manifolds of two convex shapes";
     const auto gap = [&](const dvec3& n) { return static_cast<double>(-reach_along(b, pb, pa.position, -n) - reach_along(a, pa, pa.position, n)); };
     double most = -std::numeric_limits<double>::infinity();
