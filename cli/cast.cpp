@@ -101,7 +101,9 @@ Json to_json(const CastTarget& target, const CastRecord& record, const CastOptio
             {"answer_hash", to_hex(record.answer_hash)}};
 }
 
-std::string counted(std::uint64_t n, const std::string& one, const std::string& many) { return fmt::format("{} {}", n, n == 1 ? one : many); }
+std::string counted(std::uint64_t n, const std::string& one, const std::string& many) {
+    return fmt::format("{} {}", n, n == 1 ? one : many);
+}
 std::string counted(std::uint64_t n, const std::string& one) { return counted(n, one, one + "s"); }
 
 std::string summary(const CastTarget& target, const CastRecord& record, const CastOptions& options) {

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <set>
 
@@ -319,6 +320,16 @@ TEST(Cli, FramesShowTheBroadphaseWhereAskedTo) {
               (Names{"broadphase-bounds", "broadphase-cells"}));
     EXPECT_EQ(layers(folder.path("axes"), {"--broadphase", "--broadphase-method", "sorted_axes"}),
               (Names{"broadphase-bounds", "broadphase-axes"}));
+}
+
+TEST(Cli, TheWindowTakesTheBroadphasesOptionsAndNeedsADisplay) {
+    if (!CAROM_HAS_VIZ) GTEST_SKIP() << "this build has no viz";
+    const char* const display = std::getenv("DISPLAY");
+    const std::string before = display != nullptr ? display : "";
+    ::unsetenv("DISPLAY");
+    expect_refused({"view", "tall_stack", "--broadphase", "--broadphase-method", "uniform_grid"}, {"DISPLAY"});
+    expect_refused({"view", "tall_stack", "--broadphase-method", "magic"}, {"magic", "uniform_grid"});
+    if (display != nullptr) ::setenv("DISPLAY", before.c_str(), 1);
 }
 
 TEST(Cli, AFullDiskIsAFailureAfterTheRun) {
