@@ -185,7 +185,10 @@ void GridLevel::fill_cells(const ProxyTable& table, std::span<const std::uint32_
     entries.grow(total + Entries::kSentinels);
     home_.resize(total);
     if (map.hashed) code.resize(total + Entries::kSentinels);
-    order_.assign(total, kNobody);
+    if (slack_ == Slack::None)
+        order_.resize(total);  // every place is taken below
+    else
+        order_.assign(total, kNobody);
     executor.parallel_for(size_, kSlotsAPart, [&](std::size_t first, std::size_t last) {
         for (std::size_t i = first; i < last; ++i) {
             const std::uint32_t at = begin[cell_of_[i]] + rank_[i];

@@ -49,7 +49,7 @@ void PairSet::replace(const PairPieces& found, std::size_t slots, Executor& exec
         first_row[k] = static_cast<std::size_t>(static_cast<double>(slots) * (1.0 - std::sqrt(left)));
     }
     first_row[shares] = slots;
-    row_ends_.assign(slots, 0);
+    row_ends_.resize(slots);
     executor.parallel_for(shares, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) count_rows(found, first_row[k], first_row[k + 1]);
     });
@@ -77,6 +77,7 @@ void PairSet::replace(const PairPieces& found, std::size_t slots, Executor& exec
 
 void PairSet::count_rows(const PairPieces& found, std::size_t first, std::size_t last) {
     std::uint32_t* const count = row_ends_.data();
+    std::fill(count + first, count + last, 0u);
     for_rows(found, first, last, [&](std::uint32_t row, std::uint32_t) { ++count[row]; });
 }
 
