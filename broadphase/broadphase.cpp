@@ -219,6 +219,7 @@ const PairUpdate& Broadphase::update(const ProxyChanges& changes, Executor& exec
         w.find_all(executor);
     }
     w.built = true;
+    ++w.result.number;
     w.result.pairs = w.set.pairs();
     w.result.begun = w.set.begun();
     w.result.ended = w.set.ended();
@@ -236,7 +237,9 @@ void Broadphase::clear() {
     w.count_at_check = 0;
     w.wanted_before = BroadphaseMethod::Automatic;
     w.built = false;
+    const std::uint64_t number = w.result.number;
     w.result = {};
+    w.result.number = number;
 }
 
 void Broadphase::stream_pairs(FunctionRef<bool(std::span<const ProxyPair> row)> visit) const {

@@ -56,6 +56,7 @@ struct PairUpdate {
     std::span<const ProxyPair> ended;  ///< the other way round; of removed slots too
     PairStatus status = PairStatus::Complete;
     std::uint32_t complete_below = 0;  ///< pairs whose `a` is below this are all listed
+    std::uint64_t number = 0;          ///< of updates that were taken over, this one included: a refused one does not count
 };
 
 /// A part of what a method keeps, for pictures: a cell of a grid with boxes in it, a stray (a box that no cell of its grid had room for),

@@ -61,6 +61,7 @@ BroadphasePlan World::Impl::plan_broadphase(double dt) const {
     }
     SerialExecutor alone;
     dynamics::update_swept_bounds(next, arrays, {def.gravity, dt}, alone);
+    dynamics::note_listed(next);
     const auto count = static_cast<std::size_t>(std::count(next.listed.begin(), next.listed.end(), 1));
     if (count == 0) return {BroadphaseMethod::Automatic, "not used: no shape has a box"};
     const SceneChoice first = choose_for(next.boxes, next.listed, count, 1.0);
@@ -70,6 +71,7 @@ BroadphasePlan World::Impl::plan_broadphase(double dt) const {
 Plan World::plan(double dt) const {
     CAROM_REQUIRE(is_finite(dt), ErrorCode::NotFinite, "dt must be finite", {});
     CAROM_REQUIRE(dt >= 0.0, ErrorCode::InvalidArgument, "dt must not be negative", {});
+    CAROM_REQUIRE(dynamics::can_step(dt, impl_->def.gravity), ErrorCode::InvalidArgument, dynamics::kTooLong, {});
     const WorldDef& def = impl_->def;
     const dynamics::StepChoices choices = impl_->choose();
     Plan plan;

@@ -72,6 +72,7 @@ void World::Impl::quarantine_unusable(double dt, StepReport& report) {
 StepReport World::step(double dt) {
     CAROM_REQUIRE(is_finite(dt), ErrorCode::NotFinite, "dt must be finite", {});
     CAROM_REQUIRE(dt >= 0.0, ErrorCode::InvalidArgument, "dt must not be negative", {});
+    CAROM_REQUIRE(dynamics::can_step(dt, impl_->def.gravity), ErrorCode::InvalidArgument, dynamics::kTooLong, {});
     if (dt == 0.0) return {};
 
     Impl& w = *impl_;
@@ -88,7 +89,10 @@ StepReport World::step(double dt) {
         step.run(Stage::Bounds, [&] { dynamics::update_swept_bounds(w.proxies, w.arrays, motion, executor); });
         step.run(Stage::Pairs, [&] {
             const ProxyChanges changes{w.proxies.boxes, w.proxies.filters, w.proxies.moved, w.proxies.removed};
+            const std::uint64_t last = w.broadphase.result().number;
             const PairUpdate& found = w.broadphase.update(changes, executor);
+            if (found.number == last) return w.candidates.clear();  // refused, which was reported: the next step asks again
+            dynamics::note_listed(w.proxies);
             step.report.boxes_given = changes.moved.size();
             step.report.boxes_removed = changes.removed.size();
             step.report.pairs_limited = found.status != PairStatus::Complete;

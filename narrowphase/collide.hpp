@@ -56,7 +56,8 @@ enum class CollideStatus : unsigned char {
 /// distance unless corners face each other. A body on a flat or nearly flat stretch of a mesh has one manifold; a mesh has two
 /// sides, and pushes to the one on which the shape's centre lies. Flat ends of cylinders and cones give up to four points of their rim or
 /// of what they lie on, sides a line of two; where a side or rim touches smoothly, the normal is found to about 5e-6.
-/// Accuracy: 1e-6 of the larger shape's size, of a mesh the convex shape's, and of a box much larger than the other the other's. Computed in
+/// Accuracy: 1e-6 of the larger shape's size (2e-6 for the depth of two boxes), of a mesh the convex shape's, and of a box much larger
+/// than the other the other's. Computed in
 /// double in the frame of one of the two, two boxes in float in the frame of A (sixteen pairs at a time), so the distance from the
 /// world's origin does not matter; positions are rounded to float about A, so let A be the smaller.
 /// Misuse (null shape, non-finite pose, negative or non-finite margin, a pair without a kernel) is reported and appends nothing.

@@ -41,6 +41,12 @@ inline constexpr double kMostDistance = 1e30;  ///< from the world's origin [m]
 inline constexpr double kMostSpeed = 1e15;     ///< [m/s], and of the points by the spin, [rad/s]
 inline constexpr double kMostTurn = 2000.0;    ///< [rad] in one step
 
+/// Whether what moves in a step of `dt` stays within the range of floats.
+[[nodiscard]] inline bool can_step(double dt, const dvec3& gravity) noexcept {
+    return kMostSpeed * dt <= kMostDistance && glm::length(gravity) * dt * dt <= kMostDistance;
+}
+inline constexpr const char* kTooLong = "dt is so long that positions would leave the range of floats";
+
 /// Whether a step of `dt` can take this state on.
 [[nodiscard]] inline bool is_usable(const BodyState& s, double dt) noexcept {
     const auto within = [](const dvec3& v, double most) { return glm::dot(v, v) <= most * most; };

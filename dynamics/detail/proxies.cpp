@@ -66,7 +66,6 @@ void list_changes(ProxySet& set, const BodyArrays& bodies) {
         const bool bounded = set.kinds[i] == ProxyKind::Bounded;
         if (bounded && (set.stale[i] != 0 || bodies.roles[set.by_slot[i].body] != Role::Static)) set.moved.push_back(i);
         if (!bounded && set.listed[i] != 0) set.removed.push_back(i);
-        set.listed[i] = bounded ? 1 : 0;
     }
 }
 
@@ -140,10 +139,17 @@ void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& 
             set.poses[i] = state.pose * proxy.local;
             set.boxes[i] = round_outward(swept_box(proxy, set.poses[i], state, motion), set.origin);
             set.motion[i] = is_static ? 0.0 : glm::length(state.velocity) * motion.dt + play(proxy, state, motion);
-            set.stale[i] = 0;
         }
     });
     for (const std::uint32_t p : set.planes) set.poses[p] = bodies.states[set.by_slot[p].body].pose * set.by_slot[p].local;
+}
+
+void note_listed(ProxySet& set) noexcept {
+    for (const std::uint32_t slot : set.removed) set.listed[slot] = 0;
+    for (const std::uint32_t slot : set.moved) {
+        set.listed[slot] = 1;
+        set.stale[slot] = 0;
+    }
 }
 
 void list_candidates(const ProxySet& set, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt, Executor& executor,

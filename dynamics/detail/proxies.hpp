@@ -92,6 +92,9 @@ struct Motion {
 /// they would for a scene twice as large.
 void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& motion, Executor& executor);
 
+/// Notes that the broadphase took over `moved` and `removed`. Until then the next update lists them again.
+void note_listed(ProxySet& set) noexcept;
+
 /// @return how far a plane's surface may come towards a body about `point` in the step, by its own motion [m].
 [[nodiscard]] double plane_motion(const BodyState& plane, const dvec3& point, double reach, double dt) noexcept;
 

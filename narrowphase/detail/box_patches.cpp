@@ -193,7 +193,7 @@ void add_face_points(const Faces& f, Mask wanted, Floats margin, WideCandidates&
 
 /// Where the two edges of an edge axis cross, seen along the normal.
 HWY_INLINE void add_edge_point(const Pair& p, const EdgeAxis& edges, const Floats3& n, const Floats3& n_b, Floats separation,
-                               const Faces& f, WideCandidates& out) {
+                               Floats tolerance, const Faces& f, WideCandidates& out) {
     if (none(edges.any)) return;
     const Floats zero(0.0f);
     const Floats3 corner_a{select(edges.i[0], zero, with_sign(p.half_a.x, n.x)), select(edges.i[1], zero, with_sign(p.half_a.y, n.y)),
@@ -208,11 +208,12 @@ HWY_INLINE void add_edge_point(const Pair& p, const EdgeAxis& edges, const Float
     const Floats half_b = select(edges.j[0], p.half_b.x, select(edges.j[1], p.half_b.y, p.half_b.z));
     // The plane through either edge and the normal cuts the other edge where the lines cross; n . (e_i x e_j) is the length, or less it.
     const Floats scale = one / with_sign(edges.length, dot(n, edges.cross));
-    const Floats s = clamp(dot(between, cross(edges.direction_b, n)) * scale, -half_a, half_a);
-    const Floats t = clamp(dot(between, cross(direction_a, n)) * scale, -half_b, half_b);
+    const Floats s = dot(between, cross(edges.direction_b, n)) * scale, t = dot(between, cross(direction_a, n)) * scale;
+    // Edges that are apart may cross beyond their ends. What decides then is an end, and so the distance.
+    const Mask cross_within = edges.any & (abs(s) <= half_a + tolerance) & (abs(t) <= half_b + tolerance);
     const Floats3 point = Floats(0.5f) * ((corner_a + s * direction_a) + (middle_b + t * edges.direction_b));
     const Floats3 cycled = f.axis_a.cycled(point);
-    out.add(dot(cycled, f.across_u) - f.cu, dot(cycled, f.across_w) - f.cw, separation, edges.any, kEdges);
+    out.add(dot(cycled, f.across_u) - f.cu, dot(cycled, f.across_w) - f.cw, separation, cross_within, kEdges);
 }
 
 /// The corner of a face, whose half edges are p and q about `centre`, that a point lies at; -1 for none.
@@ -275,15 +276,15 @@ void build_patch(const BoxPairBundle& in, const BoxAxisBundle& axes, BoxPatchBun
     const Mask share = (!edges.any) | square | (min(facing_a, facing_b) > Floats(static_cast<float>(kFacingCosine)));
     WideCandidates candidates;
     add_face_points(f, share, p.margin, candidates);
-    add_edge_point(p, edges, n, n_b, load(axes.separation.lane + lane), f, candidates);
+    const Floats3 half_a = p.half_a, half_b = p.half_b;
+    const Floats most = max(max(max(half_a.x, half_a.y), half_a.z), max(max(half_b.x, half_b.y), half_b.z));
+    const Floats tolerance = Floats(kWidePointTolerance) * most;
+    add_edge_point(p, edges, n, n_b, load(axes.separation.lane + lane), tolerance, f, candidates);
 
     const Floats one(1.0f), slant(0.381966f), zero(0.0f);  // see outline_start()
     const Mask is_1 = f.axis_a.is_1;
     const Floats3 start{zero, select(is_1, slant, one), select(is_1, one, slant)};
-    const Floats3 half_a = p.half_a, half_b = p.half_b;
-    const Floats most = max(max(max(half_a.x, half_a.y), half_a.z), max(max(half_b.x, half_b.y), half_b.z));
-    const WideChoice chosen =
-        choose_points(candidates, Floats(kWidePointTolerance) * most, dot(start, f.across_u), start.z * f.across_w.z);
+    const WideChoice chosen = choose_points(candidates, tolerance, dot(start, f.across_u), start.z * f.across_w.z);
     write_points(p, f, chosen, out, lane);
     store(n.x, out.normal[0].lane + lane);
     store(n.y, out.normal[1].lane + lane);

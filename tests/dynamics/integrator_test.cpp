@@ -145,5 +145,22 @@ TEST(Integrator, GyroscopicChangeIsWhatTheFreeRotationDoes) {
     EXPECT_EQ(gyroscopic_change(BodyState{{}, dvec3{0.0}, {1, 2, 3}}, mass_with({1, 1, 1}), 0.1), dvec3{0.0});
 }
 
+// Just below the turn from which on the rotation is split.
+TEST(Integrator, GyroscopicChangeIsGoodToSecondOrder) {
+    const BodyMass mass = mass_with({1.0, 2.0, 2.9});
+    Random random(5);
+    constexpr double kTurn = 0.0245;
+    for (int i = 0; i < 200; ++i) {
+        BodyState state;
+        state.pose.orientation = rotation_from_vector({random.range(-3, 3), random.range(-3, 3), random.range(-3, 3)});
+        const dvec3 direction{random.range(-1, 1), random.range(-1, 1), random.range(-1, 1)};
+        state.spin = 3.0 / glm::length(direction) * direction;
+        const double dt = kTurn / 3.0;
+        BodyState exact = state;
+        for (int part = 0; part < 200; ++part) integrate_free(exact, mass, dvec3{0.0}, dt / 200.0);
+        EXPECT_LT(glm::length(gyroscopic_change(state, mass, dt) - (exact.spin - state.spin)), 1.6e-5 * 3.0) << i;
+    }
+}
+
 }  // namespace
 }  // namespace carom::dynamics

@@ -1,6 +1,7 @@
 // Bodies that come, go and change touch their own boxes in the broadphase and no others, and leave the contacts of a world that
 // was built in one go.
 #include <carom/core/random.hpp>
+#include <carom/dynamics/detail/proxies.hpp>
 #include <carom/dynamics/world.hpp>
 
 #include <gtest/gtest.h>
@@ -278,6 +279,36 @@ TEST(Proxies, ComingAndGoingLeavesTheSameBitsWithEveryBroadphase) {
     };
     const std::uint64_t expected = run(BroadphaseMethod::BruteForce);
     for (const BroadphaseMethod method : kBroadphaseMethods) EXPECT_EQ(run(method), expected) << to_string(method);
+}
+
+// A broadphase may refuse an update, or throw: what came and went with it comes and goes with the next.
+TEST(Proxies, AreListedAgainUntilTheBroadphaseTookThemOver) {
+    dynamics::ProxySet set;
+    dynamics::BodyArrays bodies;
+    bodies.states.resize(1);
+    bodies.masses.resize(1);
+    bodies.roles.assign(1, dynamics::Role::Static);
+    dynamics::Proxy proxy;
+    proxy.id = {0, 1};
+    proxy.shape = Box{};
+    SerialExecutor serial;
+    const auto update = [&] { dynamics::update_swept_bounds(set, bodies, {.dt = kDt}, serial); };
+    dynamics::put_proxy(set, proxy, {});
+    for (int k = 0; k < 3; ++k) {
+        update();
+        EXPECT_EQ(set.moved, std::vector<std::uint32_t>{0}) << k;
+    }
+    dynamics::note_listed(set);
+    update();
+    EXPECT_TRUE(set.moved.empty()) << "it is static";
+    dynamics::drop_proxy(set, 0);
+    for (int k = 0; k < 3; ++k) {
+        update();
+        EXPECT_EQ(set.removed, std::vector<std::uint32_t>{0}) << k;
+    }
+    dynamics::note_listed(set);
+    update();
+    EXPECT_TRUE(set.removed.empty());
 }
 
 }  // namespace

@@ -101,6 +101,8 @@ TEST(World, RefusesBadSteps) {
     expect_refused(table.world, ErrorCode::NotFinite, [&] { table.world.step(kNaN); });
     expect_refused(table.world, ErrorCode::NotFinite, [&] { table.world.step(INFINITY); });
     expect_refused(table.world, ErrorCode::InvalidArgument, [&] { table.world.step(-kDt); });
+    expect_refused(table.world, ErrorCode::InvalidArgument, [&] { table.world.step(1e20); });
+    expect_refused(table.world, ErrorCode::InvalidArgument, [&] { static_cast<void>(table.world.plan(1e20)); });
 }
 
 TEST(World, RefusesDeadIdsEverywhere) {
