@@ -1,6 +1,7 @@
 #include <carom/narrowphase/detail/epa.hpp>
 
 #include <carom/core/math.hpp>
+#include <carom/narrowphase/detail/gjk.hpp>
 
 #include <glm/geometric.hpp>
 
@@ -18,18 +19,7 @@ constexpr double kMet = 1e-11;                       // of the size: the bounds 
 constexpr double kProven = 1e-6;                     // of the size: as near as is promised
 constexpr double kFlat = 1e-14;                      // of the size: what rounding makes of a point in a face's plane
 
-dvec3 support(std::span<const dvec3> points, const dvec3& direction) noexcept {
-    std::size_t best = 0;
-    double reach = glm::dot(points[0], direction);
-    for (std::size_t i = 1; i < points.size(); ++i) {
-        const double r = glm::dot(points[i], direction);
-        if (r > reach) {
-            reach = r;
-            best = i;
-        }
-    }
-    return points[best];
-}
+dvec3 support(std::span<const dvec3> points, const dvec3& direction) noexcept { return points[farthest_along(points, direction)]; }
 dvec3 support(const TruncatedCone& solid, const dvec3& direction) noexcept { return solid.support(direction); }
 
 struct Vertex {

@@ -48,16 +48,8 @@ struct Support {
 };
 
 Support support(std::span<const dvec3> points, const dvec3& direction) noexcept {
-    std::size_t best = 0;
-    double reach = glm::dot(points[0], direction);
-    for (std::size_t i = 1; i < points.size(); ++i) {
-        const double r = glm::dot(points[i], direction);
-        if (r > reach) {
-            reach = r;
-            best = i;
-        }
-    }
-    return {points[best], best};
+    const std::size_t index = farthest_along(points, direction);
+    return {points[index], index};
 }
 Support support(const TruncatedCone& solid, const dvec3& direction) noexcept { return {solid.support(direction), 0}; }
 
@@ -244,6 +236,19 @@ GjkResult search(const A& a, const B& b, double cutoff, int max_rounds) noexcept
 }
 
 }  // namespace
+
+std::size_t farthest_along(std::span<const dvec3> points, const dvec3& direction) noexcept {
+    std::size_t best = 0;
+    double reach = glm::dot(points[0], direction);
+    for (std::size_t i = 1; i < points.size(); ++i) {
+        const double r = glm::dot(points[i], direction);
+        if (r > reach) {
+            reach = r;
+            best = i;
+        }
+    }
+    return best;
+}
 
 GjkResult gjk(std::span<const dvec3> a, std::span<const dvec3> b, double cutoff) noexcept { return search(a, b, cutoff, kMaxRounds); }
 GjkResult gjk(const TruncatedCone& a, std::span<const dvec3> b, double cutoff) noexcept {

@@ -36,4 +36,7 @@ struct GjkResult {
 [[nodiscard]] GjkResult gjk(const TruncatedCone& a, std::span<const dvec3> b, double cutoff) noexcept;
 [[nodiscard]] GjkResult gjk(const TruncatedCone& a, const TruncatedCone& b, double cutoff) noexcept;
 
+/// @return the number of the point that is farthest along `direction`, the first of equals. One point at least.
+[[nodiscard]] std::size_t farthest_along(std::span<const dvec3> points, const dvec3& direction) noexcept;
+
 }  // namespace carom::detail

@@ -8,17 +8,6 @@
 namespace carom::detail {
 namespace {
 
-FacePolygon polygon_of(const Polytope& p, std::uint32_t face, const ContactPlane& plane, std::vector<FaceCorner>& corners) {
-    const Polytope::Face& f = p.planes[face];
-    corners.clear();
-    std::uint32_t e = f.first_edge;
-    for (std::uint32_t k = 0; k < f.edge_count; ++k, e = p.half_edges[e].next) {
-        const dvec3& v = p.origin_of(e);
-        corners.push_back({v, glm::dot(v, plane.axis_u), glm::dot(v, plane.axis_w), p.half_edges[e].origin, p.edge_name(e / 2)});
-    }
-    return {corners, f.normal, f.offset};
-}
-
 double least_side(std::span<const FaceCorner> corners) noexcept {
     double least = std::numeric_limits<double>::infinity();
     for (std::size_t k = 0; k < corners.size(); ++k) {
@@ -45,6 +34,17 @@ Candidate point_of_axis(const Polytope& a, const Polytope& b, const ContactAxis&
 }
 
 }  // namespace
+
+FacePolygon polygon_of(const Polytope& p, std::uint32_t face, const ContactPlane& plane, std::vector<FaceCorner>& corners) {
+    const Polytope::Face& f = p.planes[face];
+    corners.clear();
+    std::uint32_t e = f.first_edge;
+    for (std::uint32_t k = 0; k < f.edge_count; ++k, e = p.half_edges[e].next) {
+        const dvec3& v = p.origin_of(e);
+        corners.push_back({v, glm::dot(v, plane.axis_u), glm::dot(v, plane.axis_w), p.half_edges[e].origin, p.edge_name(e / 2)});
+    }
+    return {corners, f.normal, f.offset};
+}
 
 void build_patch(const Polytope& a, const Polytope& b, const ContactAxis& axis, double margin, AxisPoint axis_point,
                  PolygonScratch& scratch, Patch& patch) {

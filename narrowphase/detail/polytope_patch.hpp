@@ -9,6 +9,9 @@ namespace carom::detail {
 /// Whether the pair of points that the axis names belongs to the contact. It does not where the axis was replaced by another.
 enum class AxisPoint : unsigned char { Keep, Leave };
 
+/// @return face `face` as a polygon in the plane; `corners` holds it.
+[[nodiscard]] FacePolygon polygon_of(const Polytope& p, std::uint32_t face, const ContactPlane& plane, std::vector<FaceCorner>& corners);
+
 /// Fills `patch` with up to four points of the contact of a and b along `axis`. With AxisPoint::Keep it is
 /// never empty: where the two faces share no region, the closest or deepest pair of points stands alone.
 void build_patch(const Polytope& a, const Polytope& b, const ContactAxis& axis, double margin, AxisPoint axis_point,

@@ -1,4 +1,5 @@
 #include <carom/core/math.hpp>
+#include <carom/narrowphase/detail/polytope_patch.hpp>
 #include <carom/narrowphase/detail/tolerances.hpp>
 #include <carom/narrowphase/detail/turned_contact.hpp>
 
@@ -34,14 +35,7 @@ Facet facet_of(const TruncatedCone& solid, const dvec3& direction, const Contact
 Facet facet_of(const Polytope& p, const dvec3& direction, const ContactAxis& axis, const ContactPlane& plane,
                std::vector<FaceCorner>& corners) {
     const std::uint32_t face = axis.kind == AxisKind::FaceOfB ? axis.feature_b : face_along(p, direction);
-    const Polytope::Face& f = p.planes[face];
-    corners.clear();
-    std::uint32_t e = f.first_edge;
-    for (std::uint32_t k = 0; k < f.edge_count; ++k, e = p.half_edges[e].next) {
-        const dvec3& v = p.origin_of(e);
-        corners.push_back({v, glm::dot(v, plane.axis_u), glm::dot(v, plane.axis_w), p.half_edges[e].origin, p.edge_name(e / 2)});
-    }
-    return {{corners, f.normal, f.offset}, glm::dot(f.normal, direction), 0.0};
+    return {polygon_of(p, face, plane, corners), glm::dot(p.planes[face].normal, direction), 0.0};
 }
 
 Facet facet_of(const RoundSegment& round, const dvec3& direction, const ContactAxis&, const ContactPlane& plane,
