@@ -138,7 +138,8 @@ bool Broadphase::Impl::find_begun(const detail::ChangeLists& lists, Executor& ex
     const bool check_wanted = !all_agree() || settings.callback.wanted != nullptr;
     const auto ask = [this](ProxyPair pair) { return wanted(pair); };
     const FunctionRef<bool(ProxyPair)> asked(ask);
-    return set.patch(pieces, lists.want_ended ? method->ended() : nullptr, intake.changed(), {table.boxes, check_wanted ? &asked : nullptr}, settings.pair_limit);
+    const detail::PairPieces* const ended = lists.want_ended ? method->ended() : nullptr;
+    return set.patch(pieces, ended, intake.changed(), {table.boxes, check_wanted ? &asked : nullptr}, settings.pair_limit);
 }
 
 void Broadphase::Impl::append_row(std::uint32_t a, std::vector<ProxyPair>& out) const {
@@ -280,8 +281,7 @@ std::size_t Broadphase::live_count() const noexcept { return impl_->table.live_c
 
 std::size_t Broadphase::memory() const noexcept {
     const Impl& w = *impl_;
-    return w.table.memory() + w.intake.memory() +
-           w.pieces.memory() + w.set.memory() + sizeof(ProxyPair) * w.rows.capacity() + w.method->memory();
+    return w.table.memory() + w.intake.memory() + w.pieces.memory() + w.set.memory() + sizeof(ProxyPair) * w.rows.capacity() + w.method->memory();
 }
 
 std::string Broadphase::reason() const {

@@ -4,6 +4,7 @@
 //   finish_patch(points, face_a, face_b, rule, patch);
 #pragma once
 
+#include <carom/core/math.hpp>
 #include <carom/narrowphase/detail/feature.hpp>
 #include <carom/narrowphase/detail/kernel.hpp>
 #include <carom/narrowphase/detail/reduce.hpp>
@@ -42,6 +43,12 @@ struct ContactPlane {
     double margin = 0.0;     ///< points with a larger separation are left out [m]
     double tolerance = 0.0;  ///< points outside by this much count as inside [m]
 };
+
+/// @return the plane across a unit normal, with any two axes.
+[[nodiscard]] inline ContactPlane contact_plane(const dvec3& normal, double margin, double tolerance) noexcept {
+    const dvec3 axis_u = any_perpendicular(normal);
+    return {normal, axis_u, glm::cross(normal, axis_u), margin, tolerance};
+}
 
 /// Whether two faces have points of contact in common, from the cosines of the angles at which they face the normal: one of them lies
 /// square to it and the other is not too steep to have heights over it, or both lie nearly square.

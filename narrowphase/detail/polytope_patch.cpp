@@ -1,4 +1,3 @@
-#include <carom/core/math.hpp>
 #include <carom/narrowphase/detail/polytope_patch.hpp>
 #include <carom/narrowphase/detail/tolerances.hpp>
 
@@ -7,15 +6,6 @@
 
 namespace carom::detail {
 namespace {
-
-double least_side(std::span<const FaceCorner> corners) noexcept {
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t k = 0; k < corners.size(); ++k) {
-        const dvec3 d = corners[k + 1 < corners.size() ? k + 1 : 0].point - corners[k].point;
-        least = std::min(least, glm::dot(d, d));
-    }
-    return std::sqrt(least);
-}
 
 // The pair of points that the axis itself names: closest points, crossing edges, or the vertex that is deepest under a face.
 Candidate point_of_axis(const Polytope& a, const Polytope& b, const ContactAxis& axis, const ContactPlane& plane) noexcept {
@@ -35,6 +25,15 @@ Candidate point_of_axis(const Polytope& a, const Polytope& b, const ContactAxis&
 
 }  // namespace
 
+double least_side(std::span<const FaceCorner> corners) noexcept {
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t k = 0; k < corners.size(); ++k) {
+        const dvec3 d = corners[k + 1 < corners.size() ? k + 1 : 0].point - corners[k].point;
+        least = std::min(least, glm::dot(d, d));
+    }
+    return std::sqrt(least);
+}
+
 FacePolygon polygon_of(const Polytope& p, std::uint32_t face, const ContactPlane& plane, std::vector<FaceCorner>& corners) {
     const Polytope::Face& f = p.planes[face];
     corners.clear();
@@ -49,12 +48,7 @@ FacePolygon polygon_of(const Polytope& p, std::uint32_t face, const ContactPlane
 void build_patch(const Polytope& a, const Polytope& b, const ContactAxis& axis, double margin, AxisPoint axis_point,
                  PolygonScratch& scratch, Patch& patch) {
     const double size = std::max(a.size, b.size);
-    ContactPlane plane;
-    plane.normal = axis.normal;
-    plane.axis_u = any_perpendicular(plane.normal);
-    plane.axis_w = glm::cross(plane.normal, plane.axis_u);
-    plane.margin = margin;
-    plane.tolerance = kInsideTolerance * size;
+    const ContactPlane plane = contact_plane(axis.normal, margin, kInsideTolerance * size);
 
     const std::uint32_t face_a = axis.kind == AxisKind::FaceOfA ? axis.feature_a : face_along(a, plane.normal);
     const std::uint32_t face_b = axis.kind == AxisKind::FaceOfB ? axis.feature_b : face_along(b, -plane.normal);

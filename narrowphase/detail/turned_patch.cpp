@@ -1,4 +1,3 @@
-#include <carom/core/math.hpp>
 #include <carom/narrowphase/detail/polytope_patch.hpp>
 #include <carom/narrowphase/detail/tolerances.hpp>
 #include <carom/narrowphase/detail/turned_contact.hpp>
@@ -95,15 +94,6 @@ void collect(const Facet& a, const Facet& b, const ContactPlane& plane, PolygonS
     collect_crossings(first, second, of_first, of_second, plane, points);
 }
 
-double least_side(const FacePolygon& polygon) noexcept {
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t k = 0; k < polygon.corners.size(); ++k) {
-        const dvec3 d = polygon.corners[k + 1 < polygon.corners.size() ? k + 1 : 0].point - polygon.corners[k].point;
-        least = std::min(least, glm::dot(d, d));
-    }
-    return std::sqrt(least);
-}
-
 double size_of(const Polytope& p) noexcept { return p.size; }
 double size_of(const TruncatedCone& solid) noexcept { return solid.size(); }
 double size_of(const RoundSegment& round) noexcept {
@@ -122,12 +112,7 @@ template <class B>
 void patch_of(const TruncatedCone& a, const B& b, const ContactAxis& axis, double margin, AxisPoint axis_point, PolygonScratch& scratch,
               Patch& patch) {
     const double size = std::max(a.size(), size_of(b));
-    ContactPlane plane;
-    plane.normal = axis.normal;
-    plane.axis_u = any_perpendicular(plane.normal);
-    plane.axis_w = glm::cross(plane.normal, plane.axis_u);
-    plane.margin = margin;
-    plane.tolerance = kInsideTolerance * size;
+    const ContactPlane plane = contact_plane(axis.normal, margin, kInsideTolerance * size);
 
     const Facet first = facet_of(a, axis.normal, axis, plane, scratch.first);
     const Facet second = facet_of(b, -axis.normal, axis, plane, scratch.second);
@@ -140,7 +125,7 @@ void patch_of(const TruncatedCone& a, const B& b, const ContactAxis& axis, doubl
     }
     patch.normal = plane.normal;
     patch.count = 0;
-    const double snap = kSnap * std::min(least_side(first.polygon), least_side(second.polygon));
+    const double snap = kSnap * std::min(least_side(first.polygon.corners), least_side(second.polygon.corners));
     const PatchRule rule{kPointTolerance * size, snap, outline_start(plane.normal, plane.axis_u, plane.axis_w)};
     finish_patch(points, first.polygon, second.polygon, rule, patch);
 }

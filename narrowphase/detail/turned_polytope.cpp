@@ -1,4 +1,4 @@
-// Cylinder and cone against box, hull and each other.
+// Cylinder and cone against capsule, box, hull and each other.
 #include <carom/collision/convex_hull.hpp>
 #include <carom/narrowphase/detail/kernels.hpp>
 #include <carom/narrowphase/detail/turned_contact.hpp>
@@ -35,6 +35,12 @@ CollideStatus turned_hull(const PairFrame& pair, Workspace& workspace, ManifoldS
 
 CollideStatus turned_turned(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
     return touch(pair, truncated_cone(pair.second, pair.rotation, pair.translation), workspace, sink);
+}
+
+CollideStatus turned_capsule(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
+    const Capsule& capsule = as<Capsule>(pair.second);
+    const dvec3 half = static_cast<double>(capsule.half_segment) * pair.rotation[1];
+    return touch(pair, RoundSegment{{pair.translation - half, pair.translation + half}, static_cast<double>(capsule.radius)}, workspace, sink);
 }
 
 }  // namespace carom::detail

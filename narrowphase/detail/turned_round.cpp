@@ -1,4 +1,4 @@
-// Cylinder and cone against sphere and plane, in closed form, and against capsule.
+// Cylinder and cone against sphere and plane, in closed form.
 #include <carom/core/math.hpp>
 #include <carom/narrowphase/detail/kernels.hpp>
 #include <carom/narrowphase/detail/plane_form.hpp>
@@ -84,10 +84,7 @@ CollideStatus turned_plane(const PairFrame& pair, Workspace& workspace, Manifold
     const PlaneForm plane = plane_in_first(pair);
     Patch patch;
     patch.normal = -plane.normal;
-    ContactPlane contact;
-    contact.normal = patch.normal;
-    contact.axis_u = any_perpendicular(patch.normal);
-    contact.axis_w = glm::cross(patch.normal, contact.axis_u);
+    const ContactPlane contact = contact_plane(patch.normal, pair.margin, 0.0);
 
     PolygonScratch& scratch = workspace.polygons;
     scratch.candidates.clear();
@@ -117,20 +114,6 @@ CollideStatus turned_plane(const PairFrame& pair, Workspace& workspace, Manifold
     }
     if (patch.count > 0) sink.add(patch);
     return CollideStatus::Ok;
-}
-
-CollideStatus turned_capsule(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
-    const TruncatedCone solid = first_of(pair);
-    const Capsule& capsule = as<Capsule>(pair.second);
-    const dvec3 half = static_cast<double>(capsule.half_segment) * pair.rotation[1];
-    const RoundSegment core{{pair.translation - half, pair.translation + half}, static_cast<double>(capsule.radius)};
-    CollideStatus status = CollideStatus::Ok;
-    ContactAxis axis;
-    if (!find_axis(solid, core, pair.margin, axis, status)) return status;
-    Patch patch;
-    build_patch(solid, core, axis, pair.margin, AxisPoint::Keep, workspace.polygons, patch);
-    if (patch.count > 0) sink.add(patch);
-    return status;
 }
 
 }  // namespace carom::detail

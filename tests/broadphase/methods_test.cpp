@@ -115,7 +115,8 @@ TEST_P(Methods, RefuseBadInputAndStayAsTheyWere) {
 
     const ErrorHandler before = set_error_handler([](const Error&) {});
     const auto refuses = [&](const ProxyChanges& changes) {
-        return copy(broadphase.update(changes, serial).pairs) == want && broadphase.live_count() == 200;
+        const PairUpdate& found = broadphase.update(changes, serial);
+        return found.number == 1 && copy(found.pairs) == want && broadphase.live_count() == 200;
     };
     EXPECT_TRUE(refuses({boxes, std::span(filters).first(199), all, {}}));
     const float bad[] = {std::numeric_limits<float>::quiet_NaN(), std::numeric_limits<float>::infinity(),

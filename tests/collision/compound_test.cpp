@@ -1,4 +1,6 @@
 // Compounds: what is refused, bounds, mass, the hierarchy and rays, each against the parts one by one.
+#include "support/random_pose.hpp"
+
 #include <carom/collision/aabb.hpp>
 #include <carom/collision/compound.hpp>
 #include <carom/collision/convex_hull.hpp>
@@ -21,20 +23,6 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr float kNanF = std::numeric_limits<float>::quiet_NaN();
 
-dvec3 direction(Random& r) {
-    for (;;) {
-        const dvec3 v{r.range(-1, 1), r.range(-1, 1), r.range(-1, 1)};
-        const double length = glm::length(v);
-        if (length > 0.1 && length <= 1.0) return v / length;
-    }
-}
-
-dquat rotation(Random& r) {
-    const dvec3 n = direction(r);
-    const SinCos half = sin_cos(r.range(0, kPi));
-    return {half.cos, half.sin * n.x, half.sin * n.y, half.sin * n.z};
-}
-
 std::vector<CompoundPart> random_parts(Random& r, int count, double spread) {
     const std::vector<vec3> corners{{0, 0, 0}, {0.3f, 0, 0}, {0, 0.4f, 0}, {0, 0, 0.5f}};
     const Shape hull = *ConvexHull::build(corners);
@@ -43,7 +31,7 @@ std::vector<CompoundPart> random_parts(Random& r, int count, double spread) {
         const auto size = [&] { return static_cast<float>(r.range(0.05, 0.3)); };
         const Shape shapes[] = {Sphere{size()}, Box{{size(), size(), size()}}, Capsule{size(), size()}, Cylinder{size(), size()},
                                 Cone{size(), size()}, hull};
-        CompoundPart& part = parts.emplace_back(CompoundPart{shapes[i % 6], {direction(r) * r.range(0, spread), rotation(r)}});
+        CompoundPart& part = parts.emplace_back(CompoundPart{shapes[i % 6], {test::random_direction(r) * r.range(0, spread), test::random_rotation(r)}});
         if (i % 3 == 0) part.material.density = r.range(100, 9000);
     }
     return parts;
@@ -93,7 +81,7 @@ TEST(Compound, BoundsAreThoseOfTheParts) {
     for (int i = 0; i < 100; ++i) {
         const std::vector<CompoundPart> parts = random_parts(r, 1 + i, 3.0);
         const Shape shape = *Compound::build(parts);
-        const Pose pose{direction(r) * 50.0, rotation(r)};
+        const Pose pose{test::random_direction(r) * 50.0, test::random_rotation(r)};
         Aabb all;
         double farthest = 0.0, thinnest = std::numeric_limits<double>::infinity();
         for (const CompoundPart& part : parts) {
@@ -150,7 +138,7 @@ TEST(Compound, OverlapFindsThePartsThatBruteForceFindsInOneOrder) {
         const CompoundPtr again = *Compound::build({compound->parts().begin(), compound->parts().end()});
         int found = 0;
         for (int i = 0; i < 60; ++i) {
-            const dvec3 lower = direction(r) * r.range(0.0, 4.0);
+            const dvec3 lower = test::random_direction(r) * r.range(0.0, 4.0);
             const Aabb box{lower, lower + dvec3{r.range(0.0, 2.0), r.range(0.0, 2.0), r.range(0.0, 2.0)}};
             std::vector<std::uint32_t> parts, twice;
             compound->overlap(box, [&](std::uint32_t p) { return parts.push_back(p), true; });
@@ -186,8 +174,8 @@ TEST(Compound, RaysHitTheFirstPartAndNameIt) {
     for (int i = 0; i < 3000; ++i) {
         static CompoundPtr compound;
         if (i % 100 == 0) compound = *Compound::build(random_parts(r, 1 + i / 20, 3.0));
-        const Pose pose{direction(r) * 5.0, rotation(r)};
-        const Ray ray{pose.position + direction(r) * r.range(0.0, 6.0), direction(r), r.range(1.0, 20.0)};
+        const Pose pose{test::random_direction(r) * 5.0, test::random_rotation(r)};
+        const Ray ray{pose.position + test::random_direction(r) * r.range(0.0, 6.0), test::random_direction(r), r.range(1.0, 20.0)};
         std::optional<RayHit> best;
         for (std::uint32_t p = 0; p < compound->parts().size(); ++p) {
             const CompoundPart& part = compound->parts()[p];

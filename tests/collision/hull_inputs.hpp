@@ -3,6 +3,8 @@
 //   Result<ConvexHullPtr> hull = ConvexHull::build(test::stone(random));
 #pragma once
 
+#include "support/random_pose.hpp"
+
 #include <carom/collision/convex_hull.hpp>
 #include <carom/core/pose.hpp>
 #include <carom/core/random.hpp>
@@ -17,14 +19,6 @@
 namespace carom::test {
 
 using Points = std::vector<vec3>;
-
-inline dvec3 random_direction(Random& random) {
-    for (;;) {
-        const dvec3 v{random.range(-1, 1), random.range(-1, 1), random.range(-1, 1)};
-        const double square = glm::dot(v, v);
-        if (square > 0.01 && square <= 1.0) return v / std::sqrt(square);
-    }
-}
 
 /// The farthest any of the points is along a direction.
 inline vec3 to_float(const dvec3& p) { return vec3{p}; }

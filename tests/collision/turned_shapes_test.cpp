@@ -1,4 +1,6 @@
 // Cylinder and cone: ranges, bounds, mass and rays, each against a definition of its own.
+#include "support/random_pose.hpp"
+
 #include <carom/collision/aabb.hpp>
 #include <carom/collision/mass_properties.hpp>
 #include <carom/collision/ray_cast.hpp>
@@ -16,20 +18,6 @@ namespace {
 
 constexpr float kInf = std::numeric_limits<float>::infinity();
 constexpr float kNan = std::numeric_limits<float>::quiet_NaN();
-
-dvec3 direction(Random& r) {
-    for (;;) {
-        const dvec3 v{r.range(-1, 1), r.range(-1, 1), r.range(-1, 1)};
-        const double length = glm::length(v);
-        if (length > 0.1 && length <= 1.0) return v / length;
-    }
-}
-
-dquat rotation(Random& r) {
-    const dvec3 n = direction(r);
-    const SinCos half = sin_cos(r.range(0, kPi));
-    return {half.cos, half.sin * n.x, half.sin * n.y, half.sin * n.z};
-}
 
 // The radii of the two ends and half the height.
 struct Profile {
@@ -95,7 +83,7 @@ TEST(TurnedShapes, BoundsHoldTheShapeAndAreTight) {
     Random r(411);
     for (int i = 0; i < 300; ++i) {
         const Solid s = random_solid(r, i);
-        const Pose pose{direction(r) * r.range(0, 100), i % 7 == 0 ? kIdentityRotation : rotation(r)};
+        const Pose pose{test::random_direction(r) * r.range(0, 100), i % 7 == 0 ? kIdentityRotation : test::random_rotation(r)};
         const Aabb box = bounds(s.shape, pose);
         Aabb points;
         const auto add = [&](const dvec3& local) {
@@ -179,8 +167,8 @@ TEST(TurnedShapes, RaysHitTheFirstPoint) {
     for (int i = 0; i < 4000; ++i) {
         const Solid s = random_solid(r, i);
         const double size = s.profile.lower + s.profile.h;
-        Ray ray{direction(r) * size * r.range(0.0, 3.0), {}};
-        const dvec3 aim = direction(r) * size * r.range(0.0, 0.8);
+        Ray ray{test::random_direction(r) * size * r.range(0.0, 3.0), {}};
+        const dvec3 aim = test::random_direction(r) * size * r.range(0.0, 0.8);
         ray.direction = i % 5 == 0 ? dvec3{0, ray.origin.y > 0 ? -1.0 : 1.0, 0} : aim - ray.origin;
         if (!(glm::length(ray.direction) > 1e-3)) continue;
         const dvec3 unit = ray.direction / glm::length(ray.direction);

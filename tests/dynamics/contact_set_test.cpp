@@ -67,6 +67,15 @@ TEST(ContactSet, ImpulsesScaleWithTheSubstepAndTwinsKeepTheirOwn) {
     EXPECT_EQ(now.impulses[0][2].normal, 0.0f);
 }
 
+TEST(ContactSet, ImpulsesOfTheSamePointsScaleToo) {
+    ContactSet before = set_of({10}, {manifold_of(0, {5, 6})});
+    before.impulses[0][1] = {4.0f, {2.0f, 6.0f, 8.0f}};
+    ContactSet now = set_of({10}, {manifold_of(0, {5, 6})});
+    carry_impulses(now, before, 0.5f);
+    EXPECT_EQ(now.impulses[0][1].normal, 2.0f);
+    EXPECT_EQ(now.impulses[0][1].friction, vec3(1.0f, 3.0f, 4.0f));
+}
+
 TEST(ContactSet, AnotherGenerationIsAnotherPair) {
     ContactSet before = set_of({10}, {manifold_of(0, {5})});
     before.impulses[0][0].normal = 3.0f;

@@ -1,4 +1,5 @@
 // Cylinders, cones and compounds in the world: they fall, rest, roll and keep still.
+#include "support/grid_mesh.hpp"
 #include "table.hpp"
 
 #include <carom/collision/compound.hpp>
@@ -32,20 +33,7 @@ enum class Ground { Plane, Box, Mesh };
 Shape ground_of(Ground ground) {
     if (ground == Ground::Plane) return Plane{{0, 1, 0}, 0};
     if (ground == Ground::Box) return Box{{10, 1, 10}};
-    std::vector<vec3> vertices;
-    std::vector<TriangleMesh::Triangle> triangles;
-    constexpr std::uint32_t kSide = 31;
-    for (std::uint32_t i = 0; i < kSide * kSide; ++i) {
-        vertices.push_back({0.37f * (static_cast<float>(i % kSide) - 15.2f), 0.0f, 0.41f * (static_cast<float>(i / kSide) - 15.3f)});
-    }
-    for (std::uint32_t j = 0; j + 1 < kSide; ++j) {
-        for (std::uint32_t i = 0; i + 1 < kSide; ++i) {
-            const std::uint32_t k = j * kSide + i;
-            triangles.push_back({k, k + kSide, k + 1});
-            triangles.push_back({k + 1, k + kSide, k + kSide + 1});
-        }
-    }
-    return *TriangleMesh::build(vertices, triangles);
+    return grid_mesh(31, [](float i, float j) { return vec3{0.37f * (i - 15.2f), 0.0f, 0.41f * (j - 15.3f)}; });
 }
 
 struct Resting {

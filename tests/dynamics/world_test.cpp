@@ -245,5 +245,46 @@ TEST(World, FiltersAndMasksKeepShapesApart) {
     EXPECT_LT(table.world.pose(ghost).position.y, 0.0) << "falls through: the plane is of layer 1";
 }
 
+TEST(Step, CountsPointsWhosePushOutIsLimited) {
+    for (const double depth : {0.001, 0.4}) {
+        World world;
+        world.add_shape(world.create_body({.type = BodyType::Static}), Box{{5.0f, 0.5f, 5.0f}});
+        world.add_shape(world.create_body({.position = {0, 1.0 - depth, 0}}), Box{});
+        const StepReport report = world.step(kDt);
+        EXPECT_EQ(report.contacts, 4u);
+        EXPECT_EQ(report.deep, depth > 0.1 ? 4u : 0u) << depth;
+    }
+}
+
+TEST(Step, ShapesOfOneBodyDoNotMeet) {
+    World world;
+    const BodyId body = world.create_body();
+    for (const double x : {0.0, 0.3, 0.6}) world.add_shape(body, Box{}, {.local = {{x, 0, 0}, kIdentityRotation}});
+    world.add_shape(world.create_body({.type = BodyType::Static, .position = {0, -50, 0}}), Box{});
+    const StepReport report = world.step(kDt);
+    EXPECT_EQ(report.pairs, 0u);
+    EXPECT_EQ(world.contact_count(), 0u);
+}
+
+// The ground's own origin may be as far from the contact as it likes, and the ground may be first or second of the pair.
+TEST(Step, AStaticBodysOriginMayBeFarFromItsShape) {
+    for (const bool ground_first : {true, false}) {
+        World world;
+        BodyId crate;
+        const auto add_ground = [&] {
+            const BodyId ground = world.create_body({.type = BodyType::Static, .position = {-1e9, 0, 0}});
+            world.add_shape(ground, Box{{5.0f, 0.5f, 5.0f}}, {.local = {{1e9, 0, 0}, kIdentityRotation}});
+        };
+        if (ground_first) add_ground();
+        crate = world.create_body({.position = {0, 1.0, 0}, .linear_velocity = {1, 0, 0}});
+        world.add_shape(crate, Box{});
+        if (!ground_first) add_ground();
+        for (int k = 0; k < 120; ++k) world.step(kDt);
+        EXPECT_NEAR(world.pose(crate).position.y, 1.0, 1e-3) << ground_first;
+        EXPECT_NEAR(world.pose(crate).position.x, 1.0 / (2.0 * 0.6 * 9.81), 0.02) << "slides v^2 / (2 mu g)";
+        EXPECT_LT(glm::length(world.linear_velocity(crate)), 1e-3);
+    }
+}
+
 }  // namespace
 }  // namespace carom

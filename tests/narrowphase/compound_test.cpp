@@ -1,5 +1,6 @@
 // A compound against everything: the manifolds are those of its parts, each placed by itself.
 #include "oracle.hpp"
+#include "support/grid_mesh.hpp"
 
 #include <carom/collision/compound.hpp>
 #include <carom/collision/triangle_mesh.hpp>
@@ -32,21 +33,7 @@ CompoundPtr random_compound(Random& r, int parts, double spread) {
 }
 
 TriangleMeshPtr hilly_mesh(Random& r) {
-    std::vector<vec3> vertices;
-    std::vector<TriangleMesh::Triangle> triangles;
-    constexpr std::uint32_t kSide = 9;
-    for (std::uint32_t i = 0; i < kSide * kSide; ++i) {
-        vertices.push_back({0.5f * static_cast<float>(i % kSide) - 2.0f, static_cast<float>(r.range(-0.2, 0.2)),
-                            0.5f * static_cast<float>(i / kSide) - 2.0f});
-    }
-    for (std::uint32_t j = 0; j + 1 < kSide; ++j) {
-        for (std::uint32_t i = 0; i + 1 < kSide; ++i) {
-            const std::uint32_t k = j * kSide + i;
-            triangles.push_back({k, k + kSide, k + 1});
-            triangles.push_back({k + 1, k + kSide, k + kSide + 1});
-        }
-    }
-    return *TriangleMesh::build(vertices, triangles);
+    return grid_mesh(9, [&](float i, float j) { return vec3{0.5f * i - 2.0f, static_cast<float>(r.range(-0.2, 0.2)), 0.5f * j - 2.0f}; });
 }
 
 struct Piece {

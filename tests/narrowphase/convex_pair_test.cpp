@@ -30,16 +30,6 @@ RoundSolid core_of(const Shape& shape, const Pose& pose, const dvec3& origin) {
     }
 }
 
-Shape random_shape(ShapeType type, Random& r) {
-    const auto size = [&](double low, double high) { return static_cast<float>(r.range(low, high)); };
-    switch (type) {
-        case ShapeType::Sphere: return Sphere{size(0.05, 0.6)};
-        case ShapeType::Capsule: return Capsule{size(0.05, 0.4), size(0.0, 0.8)};
-        case ShapeType::Box: return Box{{size(0.1, 1), size(0.1, 1), size(0.1, 1)}};
-        default: return random_hull(r, 8 + static_cast<int>(r.range(0, 20)), 0.3, 1.0);
-    }
-}
-
 constexpr ShapeType kConvex[] = {ShapeType::Sphere, ShapeType::Box, ShapeType::Capsule, ShapeType::ConvexHull};
 
 // Free poses, almost aligned ones, aligned ones, and deep ones.

@@ -1,6 +1,8 @@
 // Brute force for the narrowphase tests: all separating axes in long double, random poses, point-in-shape distances.
 #pragma once
 
+#include "support/random_pose.hpp"
+
 #include <carom/collision/convex_hull.hpp>
 #include <carom/collision/shapes.hpp>
 #include <carom/core/math.hpp>
@@ -19,21 +21,6 @@ namespace carom::test {
 
 using Real = long double;
 using RealVec = glm::vec<3, Real>;
-
-inline dvec3 random_direction(Random& random) {
-    for (;;) {
-        const double x = random.range(-1, 1), y = random.range(-1, 1), z = random.range(-1, 1);
-        const double length = std::sqrt(x * x + y * y + z * z);
-        if (length > 0.1 && length <= 1.0) return dvec3{x, y, z} / length;
-    }
-}
-
-inline dquat random_rotation(Random& random) {
-    const dvec3 axis = random_direction(random);
-    const double angle = random.range(0.0, 2.0 * kPi);
-    const double s = std::sin(0.5 * angle);
-    return {std::cos(0.5 * angle), s * axis.x, s * axis.y, s * axis.z};
-}
 
 inline dquat about(const dvec3& axis, double angle) {
     const dvec3 n = axis / std::sqrt(glm::dot(axis, axis));
@@ -224,6 +211,19 @@ inline float least_separation(const Manifold& m) {
     float least = m.points[0].separation;
     for (const ContactPoint& p : m.used()) least = std::min(least, p.separation);
     return least;
+}
+
+/// A convex shape of the type, with sizes below 1 m; a hull where it is no primitive.
+inline Shape random_shape(ShapeType type, Random& r) {
+    const auto size = [&](double low, double high) { return static_cast<float>(r.range(low, high)); };
+    switch (type) {
+        case ShapeType::Sphere: return Sphere{size(0.05, 0.6)};
+        case ShapeType::Capsule: return Capsule{size(0.05, 0.4), size(0.0, 0.8)};
+        case ShapeType::Box: return Box{{size(0.1, 1), size(0.1, 1), size(0.1, 1)}};
+        case ShapeType::Cylinder: return Cylinder{size(0.05, 0.7), size(0.05, 0.8)};
+        case ShapeType::Cone: return Cone{size(0.05, 0.7), size(0.05, 0.8)};
+        default: return random_hull(r, 8 + static_cast<int>(r.range(0, 20)), 0.3, 1.0);
+    }
 }
 
 }  // namespace carom::test

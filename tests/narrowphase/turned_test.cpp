@@ -10,18 +10,6 @@ namespace {
 
 using namespace test;
 
-Shape random_shape(ShapeType type, Random& r) {
-    const auto size = [&](double low, double high) { return static_cast<float>(r.range(low, high)); };
-    switch (type) {
-        case ShapeType::Sphere: return Sphere{size(0.05, 0.6)};
-        case ShapeType::Capsule: return Capsule{size(0.05, 0.4), size(0.0, 0.8)};
-        case ShapeType::Box: return Box{{size(0.1, 1), size(0.1, 1), size(0.1, 1)}};
-        case ShapeType::Cylinder: return Cylinder{size(0.05, 0.7), size(0.05, 0.8)};
-        case ShapeType::Cone: return Cone{size(0.05, 0.7), size(0.05, 0.8)};
-        default: return random_hull(r, 8 + static_cast<int>(r.range(0, 20)), 0.3, 1.0);
-    }
-}
-
 // Free poses, almost aligned ones, aligned ones, and deep ones.
 Pose random_local(Random& r, int kind) {
     Pose pose{random_direction(r) * r.range(kind == 3 ? 0.0 : 0.2, kind == 3 ? 0.3 : 1.8), random_rotation(r)};
