@@ -147,7 +147,33 @@ Result<ConvexHullPtr> ConvexHull::build(std::span<const vec3> points) {
     for (const dvec3& v : merged->vertices) hull->vertices_.emplace_back(v);
     hull->faces_ = std::move(merged->surface.faces);
     hull->edges_ = std::move(merged->surface.edges);
+    hull->fill_bundles();
     return ConvexHullPtr(std::move(hull));
+}
+
+void ConvexHull::fill_bundles() {
+    const std::size_t vertex_count = vertices_.size();
+    point_bundles_.resize(double_bundle_count(vertex_count));
+    for (std::size_t i = 0; i < point_bundles_.size() * kDoubleBundleWidth; ++i) {
+        set_point(point_bundles_[i / kDoubleBundleWidth], i % kDoubleBundleWidth, dvec3(vertices_[std::min(i, vertex_count - 1)]));
+    }
+    plane_bundles_.resize(double_bundle_count(faces_.size()));
+    end_planes(plane_bundles_.back(), 0);
+    for (std::size_t f = 0; f < faces_.size(); ++f) {
+        const Face& face = faces_[f];
+        double offset = face.offset;
+        std::uint32_t e = face.first_edge;
+        for (std::uint32_t k = 0; k < face.edge_count; ++k, e = edges_[e].next) {
+            offset = std::max(offset, glm::dot(face.normal, dvec3(vertices_[edges_[e].origin])));
+        }
+        set_plane(plane_bundles_[f / kDoubleBundleWidth], f % kDoubleBundleWidth, face.normal, offset);
+    }
+    dvec3 sum{0.0};
+    for (const vec3& v : vertices_) {
+        bounds_ = merge(bounds_, {dvec3(v), dvec3(v)});
+        sum += dvec3(v);
+    }
+    centre_ = sum / static_cast<double>(vertex_count);
 }
 
 std::uint32_t ConvexHull::support(const dvec3& direction) const noexcept {

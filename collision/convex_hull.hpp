@@ -4,6 +4,8 @@
 //   if (!hull) return hull.error();
 #pragma once
 
+#include <carom/collision/aabb.hpp>
+#include <carom/collision/polytope_bundles.hpp>
 #include <carom/collision/shapes.hpp>
 #include <carom/core/types.hpp>
 
@@ -43,14 +45,27 @@ public:
     [[nodiscard]] std::span<const HalfEdge> edges() const noexcept { return edges_; }
     [[nodiscard]] static constexpr std::uint32_t twin(std::uint32_t edge) noexcept { return edge ^ 1u; }
 
+    /// The vertices and the faces' planes in lanes, in the same order, in double. Corners of a merged face may lie off its plane: here the
+    /// planes have been moved out to hold all of them.
+    [[nodiscard]] std::span<const PointBundle> point_bundles() const noexcept { return point_bundles_; }
+    [[nodiscard]] std::span<const PlaneBundle> plane_bundles() const noexcept { return plane_bundles_; }
+    /// Box of the vertices, and their mean, which lies inside.
+    [[nodiscard]] const Aabb& local_bounds() const noexcept { return bounds_; }
+    [[nodiscard]] const dvec3& centre() const noexcept { return centre_; }
+
     /// @return the index of a vertex farthest along `direction` (any length, not zero); ties go to the lowest index.
     [[nodiscard]] std::uint32_t support(const dvec3& direction) const noexcept;
 
 private:
     ConvexHull() = default;
+    void fill_bundles();
     std::vector<vec3> vertices_;
     std::vector<Face> faces_;
     std::vector<HalfEdge> edges_;
+    std::vector<PointBundle> point_bundles_;
+    std::vector<PlaneBundle> plane_bundles_;
+    Aabb bounds_;
+    dvec3 centre_{0.0};
 };
 
 }  // namespace carom

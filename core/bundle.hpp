@@ -15,6 +15,9 @@ namespace carom {
 inline constexpr int kBundleWidth = 16;
 inline constexpr std::size_t kBundleAlignment = 64;
 
+/// Doubles come eight to a cache line.
+inline constexpr int kDoubleBundleWidth = 8;
+
 /// Sixteen floats, one cache line. Padding lanes are to be zeroed: stale denormals are slow.
 struct alignas(kBundleAlignment) FloatBundle {
     float lane[kBundleWidth] = {};
@@ -23,6 +26,11 @@ struct alignas(kBundleAlignment) FloatBundle {
 /// Sixteen integers, one cache line.
 struct alignas(kBundleAlignment) IntBundle {
     std::int32_t lane[kBundleWidth] = {};
+};
+
+/// Eight doubles, one cache line.
+struct alignas(kBundleAlignment) DoubleBundle {
+    double lane[kDoubleBundleWidth] = {};
 };
 
 /// @return how many bundles hold `count` items.

@@ -4,7 +4,6 @@
 // double. The pairs that are not apart are gathered before their points are sought, so that no lane works for nothing.
 #include <carom/narrowphase/detail/box_lanes.hpp>
 #include <carom/narrowphase/detail/kernels.hpp>
-#include <carom/narrowphase/detail/polytope_patch.hpp>
 #include <carom/narrowphase/detail/tolerances.hpp>
 #include <carom/narrowphase/detail/workspace.hpp>
 
@@ -70,20 +69,6 @@ void place_unusual(const ShapePair& pair, BoxPairBundle& bundle, BoxWayBundle& w
     bundle.margin.lane[lane] = static_cast<float>(scale * margin);
     put(way.centre, lane, a.centre);
     way.unit.lane[lane] = static_cast<float>(unit);
-}
-
-// The axes lie within the margin, but the faces are not over each other: corner to corner or corner to edge. The true distance
-// decides.
-CollideStatus touch_corners(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
-    load_box(workspace.first, dvec3(as<Box>(pair.first).half_extents), dmat3{1.0}, dvec3{0.0});
-    load_box(workspace.second, dvec3(as<Box>(pair.second).half_extents), pair.rotation, pair.translation);
-    const GjkResult distance = gjk(workspace.first.vertices, workspace.second.vertices, pair.margin);
-    ContactAxis axis;
-    if (distance.beyond || !find_axis(workspace.first, workspace.second, distance, pair.margin, workspace.edges, axis)) return CollideStatus::Ok;
-    Patch patch;
-    build_patch(workspace.first, workspace.second, axis, pair.margin, AxisPoint::Keep, workspace.polygons, patch);
-    sink.add(patch);
-    return CollideStatus::Ok;
 }
 
 // Some pairs, on their way through the kernels.
@@ -159,7 +144,9 @@ struct Block {
                 continue;
             }
             const auto pair = static_cast<std::uint32_t>(near.ways[bundle].pair.lane[lane]);
-            run_pair(input.pair(pair), {touch_corners, nullptr, false}, pair, workspace, corners);
+            // The axes lie within the margin, but the faces are not over each other: corner to corner or corner to edge. The true
+            // distance decides.
+            run_pair(input.pair(pair), {box_box_alone, nullptr, false}, pair, workspace, corners);
             if (corners.size() > corners_to.size()) corners_to.push_back(static_cast<std::uint32_t>(next++));
         }
         return next - first;

@@ -2,6 +2,7 @@
 #include <carom/collision/convex_hull.hpp>
 #include <carom/collision/triangle_mesh.hpp>
 #include <carom/narrowphase/detail/kernels.hpp>
+#include <carom/narrowphase/detail/polytope_lanes.hpp>
 #include <carom/narrowphase/detail/round_contact.hpp>
 #include <carom/narrowphase/detail/segment_polytope.hpp>
 #include <carom/narrowphase/detail/tolerances.hpp>
@@ -21,27 +22,22 @@ Aabb add_ball(const Aabb& box, const dvec3& centre, double radius) noexcept {
 
 // The kinds of convex shape that need more than closest points, behind one face.
 struct PolytopeProbe {
-    const Polytope& polytope;
+    Polytope& polytope;
+    Aabb box;  // of the polytope, in its own frame
     dvec3 centre{0.0};
 
     [[nodiscard]] double size() const noexcept { return polytope.size; }
     [[nodiscard]] double radius() const noexcept { return 0.0; }
     [[nodiscard]] double reach(const dvec3& n) const noexcept {
-        return reach_along(polytope, n);
+        return -lowest(polytope, -n).value;
     }
     [[nodiscard]] bool beside(const NearTriangle& t, double margin) const noexcept {
-        return glm::any(glm::greaterThan(t.lower, polytope.upper + dvec3{margin})) ||
-               glm::any(glm::lessThan(t.upper, polytope.lower - dvec3{margin}));
+        return glm::any(glm::greaterThan(t.lower, box.upper + dvec3{margin})) ||
+               glm::any(glm::lessThan(t.upper, box.lower - dvec3{margin}));
     }
-    bool axis(const Polytope& triangle, double margin, Workspace& workspace, ContactAxis& axis) const {
-        // Most triangles this near overlap the shape, so the separating axes come before the distance.
-        const Corners corners{triangle.vertices[0], triangle.vertices[1], triangle.vertices[2]};
-        const dvec3 nearest = closest_on_triangle(corners, centre).point;
-        axis = greatest_separation(polytope, triangle, centre, nearest, workspace.edges);
-        if (axis.separation <= kTouching * polytope.size) return true;
-        if (axis.separation > margin) return false;
-        const GjkResult distance = gjk(polytope.vertices, triangle.vertices, margin);
-        return !distance.beyond && find_axis(polytope, triangle, distance, margin, workspace.edges, axis);
+    bool axis(Polytope& triangle, double margin, Workspace&, ContactAxis& axis) const {
+        const Corners corners{triangle.vertex(0), triangle.vertex(1), triangle.vertex(2)};
+        return find_axis(polytope, triangle, centre, closest_on_triangle(corners, centre).point, margin, axis);
     }
     void patch(const Polytope& triangle, const ContactAxis& axis, double margin, AxisPoint point, Workspace& workspace,
                Patch& patch) const {
@@ -62,8 +58,8 @@ struct SegmentProbe {
         const dvec3 half = glm::abs(core.segment.to) + dvec3{core.radius + margin};
         return glm::any(glm::greaterThan(t.lower, half)) || glm::any(glm::lessThan(t.upper, -half));
     }
-    bool axis(const Polytope& triangle, double margin, Workspace&, ContactAxis& axis) const {
-        return find_axis(core, triangle, margin, axis);
+    bool axis(const Polytope& triangle, double margin, Workspace& workspace, ContactAxis& axis) const {
+        return find_axis(core, triangle, margin, workspace.polygons, axis);
     }
     void patch(const Polytope& triangle, const ContactAxis& axis, double margin, AxisPoint point, Workspace& workspace,
                Patch& patch) const {
@@ -84,7 +80,7 @@ struct TurnedProbe {
         return glm::any(glm::greaterThan(t.lower, box.upper + dvec3{margin})) ||
                glm::any(glm::lessThan(t.upper, box.lower - dvec3{margin}));
     }
-    bool axis(const Polytope& triangle, double margin, Workspace&, ContactAxis& axis) const {
+    bool axis(Polytope& triangle, double margin, Workspace&, ContactAxis& axis) const {
         return find_axis(solid, triangle, margin, axis, status);
     }
     void patch(const Polytope& triangle, const ContactAxis& axis, double margin, AxisPoint point, Workspace& workspace,
@@ -96,31 +92,27 @@ struct TurnedProbe {
 // Where the triangle supports the contact along the axis.
 dvec3 point_on_triangle(const Polytope& triangle, const ContactAxis& axis) noexcept {
     if (axis.kind == AxisKind::Distance || axis.kind == AxisKind::Edges) return axis.on_b;
-    std::size_t best = 0;
-    for (std::size_t i = 1; i < 3; ++i) {
-        if (glm::dot(triangle.vertices[i], axis.normal) < glm::dot(triangle.vertices[best], axis.normal)) best = i;
-    }
-    return triangle.vertices[best];
+    return triangle.vertex(lowest(triangle, axis.normal).number);
 }
 
 // The contact of one triangle. Its own normal is always allowed, on the side on which the shape's centre lies; another one only
 // where the surface is locally highest along it. Otherwise the triangle's normal takes its place, over the triangle alone.
 template <class Probe>
 bool touch_triangle(const Probe& probe, MeshSurface& surface, double margin, Workspace& workspace, TrianglePatch& contact) {
-    const Polytope& triangle = workspace.second;
-    const bool above = glm::dot(triangle.planes[0].normal, probe.centre) >= triangle.planes[0].offset;
-    const Polytope::Face& face = triangle.planes[above ? 0 : 1];
-    const double height = -probe.reach(-face.normal) - face.offset;  // of the shape over the face; negative below it
+    Polytope& triangle = workspace.second;
+    const bool above = glm::dot(triangle.normal(0), probe.centre) >= triangle.offset(0);
+    const dvec3 outward = triangle.normal(above ? 0 : 1);
+    const double height = -probe.reach(-outward) - triangle.offset(above ? 0 : 1);  // of the shape over the face; negative below it
     ContactAxis axis;
     if (!probe.axis(triangle, margin, workspace, axis)) return false;
 
     const bool apart = axis.separation > kTouching * probe.size();
-    const bool is_face = axis.kind == AxisKind::FaceOfB || -glm::dot(axis.normal, face.normal) > kFaceCosine;
-    const bool is_other_face = axis.kind == AxisKind::FaceOfB && glm::dot(axis.normal, face.normal) > 0.0;
+    const bool is_face = axis.kind == AxisKind::FaceOfB || -glm::dot(axis.normal, outward) > kFaceCosine;
+    const bool is_other_face = axis.kind == AxisKind::FaceOfB && glm::dot(axis.normal, outward) > 0.0;
     if (is_other_face || (!is_face && !surface.allows(point_on_triangle(triangle, axis), -axis.normal, kPointTolerance * probe.size()))) {
         // The far side of a ridge that the shape reaches across would push it through the surface: the near side speaks for both.
         if (above != surface.is_in_front(probe.centre)) return false;
-        axis = {AxisKind::FaceOfB, -face.normal, height, {}, {}, 0, above ? 0u : 1u};
+        axis = {AxisKind::FaceOfB, -outward, height, {}, {}, 0, above ? 0u : 1u};
         contact.replaced = true;
     }
     Patch& patch = contact.patch;
@@ -156,26 +148,26 @@ void touch_mesh(const PairFrame& pair, const Probe& probe, const Aabb& bounds, d
     surface.emit(same_normal, kPointTolerance * probe.size(), sink);
 }
 
-CollideStatus polytope_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
-    const Polytope& polytope = workspace.first;
+CollideStatus polytope_mesh(const PairFrame& pair, const Aabb& own, Workspace& workspace, ManifoldSink& sink) {
+    Polytope& polytope = workspace.first;
     Aabb bounds;
-    for (const dvec3& v : polytope.vertices) bounds = add_ball(bounds, pair.to_second(v), 0.0);
-    touch_mesh(pair, PolytopeProbe{polytope, polytope.centre}, bounds, kSameNormal, workspace, sink);
+    for (std::uint32_t k = 0; k < polytope.vertex_count; ++k) bounds = add_ball(bounds, pair.to_second(polytope.vertex(k)), 0.0);
+    touch_mesh(pair, PolytopeProbe{polytope, own, polytope.centre}, bounds, kSameNormal, workspace, sink);
     return CollideStatus::Ok;
 }
 
 }  // namespace
 
 CollideStatus box_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
-    load_box(workspace.first, dvec3(as<Box>(pair.first).half_extents), dmat3{1.0}, dvec3{0.0});
-    return polytope_mesh(pair, workspace, sink);
+    const dvec3 half(as<Box>(pair.first).half_extents);
+    load_box(workspace.first, half);
+    return polytope_mesh(pair, {-half, half}, workspace, sink);
 }
 
 CollideStatus hull_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
     const ConvexHull& hull = *as<ConvexHullPtr>(pair.first);
-    load_hull_vertices(workspace.first, hull, dmat3{1.0}, dvec3{0.0});
-    load_hull_faces(workspace.first, hull, dmat3{1.0}, dvec3{0.0});
-    return polytope_mesh(pair, workspace, sink);
+    load_hull(workspace.first, hull);
+    return polytope_mesh(pair, hull.local_bounds(), workspace, sink);
 }
 
 CollideStatus capsule_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {

@@ -62,6 +62,7 @@ struct PolygonScratch {
     std::vector<FaceCorner> first, second;
     std::vector<double> sides;
     std::vector<Candidate> candidates;
+    std::vector<std::uint32_t> edges;
 };
 
 /// side[k * points + m]: on which side of edge k of `polygon` corner m of `other` lies, times the length of the edge; positive inside.

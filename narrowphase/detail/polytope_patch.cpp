@@ -1,4 +1,5 @@
 #include <carom/narrowphase/detail/polytope_patch.hpp>
+#include <carom/narrowphase/detail/polytope_lanes.hpp>
 #include <carom/narrowphase/detail/tolerances.hpp>
 
 #include <algorithm>
@@ -12,12 +13,12 @@ Candidate point_of_axis(const Polytope& a, const Polytope& b, const ContactAxis&
     dvec3 point = 0.5 * (axis.on_a + axis.on_b);
     std::uint64_t name = feature_name(FeatureKind::Edges, axis.feature_a, axis.feature_b);
     if (axis.kind == AxisKind::FaceOfA) {
-        const std::uint32_t v = vertex_along(b, -axis.normal);
-        point = b.vertices[v] - (0.5 * axis.separation) * axis.normal;
+        const std::uint32_t v = lowest(b, axis.normal).number;
+        point = b.vertex(v) - (0.5 * axis.separation) * axis.normal;
         name = feature_name(FeatureKind::VertexOfSecond, 0, v);
     } else if (axis.kind == AxisKind::FaceOfB) {
-        const std::uint32_t v = vertex_along(a, axis.normal);
-        point = a.vertices[v] + (0.5 * axis.separation) * axis.normal;
+        const std::uint32_t v = lowest(a, -axis.normal).number;
+        point = a.vertex(v) + (0.5 * axis.separation) * axis.normal;
         name = feature_name(FeatureKind::VertexOfFirst, v, 0);
     }
     return {point, axis.separation, glm::dot(point, plane.axis_u), glm::dot(point, plane.axis_w), name};
@@ -35,14 +36,14 @@ double least_side(std::span<const FaceCorner> corners) noexcept {
 }
 
 FacePolygon polygon_of(const Polytope& p, std::uint32_t face, const ContactPlane& plane, std::vector<FaceCorner>& corners) {
-    const Polytope::Face& f = p.planes[face];
+    const ConvexHull::Face& loop = p.loops[face];
     corners.clear();
-    std::uint32_t e = f.first_edge;
-    for (std::uint32_t k = 0; k < f.edge_count; ++k, e = p.half_edges[e].next) {
-        const dvec3& v = p.origin_of(e);
+    std::uint32_t e = loop.first_edge;
+    for (std::uint32_t k = 0; k < loop.edge_count; ++k, e = p.half_edges[e].next) {
+        const dvec3 v = p.origin_of(e);
         corners.push_back({v, glm::dot(v, plane.axis_u), glm::dot(v, plane.axis_w), p.half_edges[e].origin, p.edge_name(e / 2)});
     }
-    return {corners, f.normal, f.offset};
+    return {corners, p.normal(face), p.offset(face)};
 }
 
 void build_patch(const Polytope& a, const Polytope& b, const ContactAxis& axis, double margin, AxisPoint axis_point,
@@ -50,8 +51,8 @@ void build_patch(const Polytope& a, const Polytope& b, const ContactAxis& axis, 
     const double size = std::max(a.size, b.size);
     const ContactPlane plane = contact_plane(axis.normal, margin, kInsideTolerance * size);
 
-    const std::uint32_t face_a = axis.kind == AxisKind::FaceOfA ? axis.feature_a : face_along(a, plane.normal);
-    const std::uint32_t face_b = axis.kind == AxisKind::FaceOfB ? axis.feature_b : face_along(b, -plane.normal);
+    const std::uint32_t face_a = axis.kind == AxisKind::FaceOfA ? axis.feature_a : face_along(a, plane.normal).number;
+    const std::uint32_t face_b = axis.kind == AxisKind::FaceOfB ? axis.feature_b : face_along(b, -plane.normal).number;
     const FacePolygon first = polygon_of(a, face_a, plane, scratch.first);
     const FacePolygon second = polygon_of(b, face_b, plane, scratch.second);
 

@@ -7,45 +7,34 @@
 namespace carom::detail {
 namespace {
 
-void touch(const GjkResult& distance, double margin, Workspace& workspace, ManifoldSink& sink) {
+CollideStatus touch(double margin, Workspace& workspace, ManifoldSink& sink) {
+    Polytope &a = workspace.first, &b = workspace.second;
     ContactAxis axis;
-    if (!find_axis(workspace.first, workspace.second, distance, margin, workspace.edges, axis)) return;
+    if (!find_axis(a, b, a.centre, b.centre, margin, axis)) return CollideStatus::Ok;
     Patch patch;
-    build_patch(workspace.first, workspace.second, axis, margin, AxisPoint::Keep, workspace.polygons, patch);
+    build_patch(a, b, axis, margin, AxisPoint::Keep, workspace.polygons, patch);
     sink.add(patch);
+    return CollideStatus::Ok;
 }
 
 }  // namespace
 
 CollideStatus box_box_alone(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
-    load_box(workspace.first, dvec3(as<Box>(pair.first).half_extents), dmat3{1.0}, dvec3{0.0});
+    load_box(workspace.first, dvec3(as<Box>(pair.first).half_extents));
     load_box(workspace.second, dvec3(as<Box>(pair.second).half_extents), pair.rotation, pair.translation);
-    const GjkResult distance = gjk(workspace.first.vertices, workspace.second.vertices, pair.margin);
-    if (!distance.beyond) touch(distance, pair.margin, workspace, sink);
-    return CollideStatus::Ok;
+    return touch(pair.margin, workspace, sink);
 }
 
 CollideStatus box_hull(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
-    const ConvexHull& hull = *as<ConvexHullPtr>(pair.second);
-    load_box(workspace.first, dvec3(as<Box>(pair.first).half_extents), dmat3{1.0}, dvec3{0.0});
-    load_hull_vertices(workspace.second, hull, pair.rotation, pair.translation);
-    const GjkResult distance = gjk(workspace.first.vertices, workspace.second.vertices, pair.margin);
-    if (distance.beyond) return CollideStatus::Ok;
-    load_hull_faces(workspace.second, hull, pair.rotation, pair.translation);
-    touch(distance, pair.margin, workspace, sink);
-    return CollideStatus::Ok;
+    load_box(workspace.first, dvec3(as<Box>(pair.first).half_extents));
+    load_hull(workspace.second, *as<ConvexHullPtr>(pair.second), pair.rotation, pair.translation);
+    return touch(pair.margin, workspace, sink);
 }
 
 CollideStatus hull_hull(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
-    const ConvexHull &first = *as<ConvexHullPtr>(pair.first), &second = *as<ConvexHullPtr>(pair.second);
-    load_hull_vertices(workspace.first, first, dmat3{1.0}, dvec3{0.0});
-    load_hull_vertices(workspace.second, second, pair.rotation, pair.translation);
-    const GjkResult distance = gjk(workspace.first.vertices, workspace.second.vertices, pair.margin);
-    if (distance.beyond) return CollideStatus::Ok;
-    load_hull_faces(workspace.first, first, dmat3{1.0}, dvec3{0.0});
-    load_hull_faces(workspace.second, second, pair.rotation, pair.translation);
-    touch(distance, pair.margin, workspace, sink);
-    return CollideStatus::Ok;
+    load_hull(workspace.first, *as<ConvexHullPtr>(pair.first));
+    load_hull(workspace.second, *as<ConvexHullPtr>(pair.second), pair.rotation, pair.translation);
+    return touch(pair.margin, workspace, sink);
 }
 
 }  // namespace carom::detail

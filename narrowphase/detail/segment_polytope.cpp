@@ -1,5 +1,5 @@
 #include <carom/core/math.hpp>
-#include <carom/narrowphase/detail/gjk.hpp>
+#include <carom/narrowphase/detail/polytope_lanes.hpp>
 #include <carom/narrowphase/detail/segment_polytope.hpp>
 #include <carom/narrowphase/detail/tolerances.hpp>
 
@@ -9,42 +9,58 @@
 namespace carom::detail {
 namespace {
 
-// Least depth of a segment that reaches into the polytope.
-ContactAxis least_depth_axis(const Segment& s, const Polytope& p) noexcept {
-    ContactAxis axis;
-    axis.kind = AxisKind::FaceOfB;
-    axis.separation = -std::numeric_limits<double>::infinity();
-    for (std::uint32_t f = 0; f < p.face_count; ++f) {
-        const Polytope::Face& face = p.planes[f];
-        const double from = glm::dot(face.normal, s.from), to = glm::dot(face.normal, s.to);
-        const double depth = std::min(from, to) - face.offset;
-        if (depth > axis.separation) {
-            axis.normal = -face.normal;
-            axis.separation = depth;
-            axis.on_a = from <= to ? s.from : s.to;
-            axis.feature_b = f;
-        }
-    }
-    axis.on_b = axis.on_a + axis.separation * axis.normal;
+// The face that separates the segment best, with the segment's end over it.
+ContactAxis face_axis(const Segment& s, const Polytope& p) noexcept {
+    const Extreme face = highest_face(p, s.from, s.to);
+    const dvec3 normal = p.normal(face.number);
+    const dvec3& end = glm::dot(normal, s.from) <= glm::dot(normal, s.to) ? s.from : s.to;
+    return {AxisKind::FaceOfB, -normal, face.value, end, end - face.value * normal, 0, face.number};
+}
 
-    // An edge counts where the plane square to the segment passes between the normals of its two faces.
+// An edge that the segment crosses, where it does better than the face: the plane square to the segment passes between the normals of the
+// edge's two faces.
+void try_edges(const Segment& s, const Polytope& p, std::vector<std::uint32_t>& edges, ContactAxis& axis) {
     const dvec3 d = s.to - s.from;
-    const double preference = kFacePreference * std::max(p.size, std::sqrt(glm::dot(d, d)));
-    const ContactAxis face = axis;
-    for (std::uint32_t k = 0; k < p.edge_count(); ++k) {
+    const double needed = axis.separation + kFacePreference * std::max(p.size, std::sqrt(glm::dot(d, d)));
+    const dvec3 ends[2] = {s.from, s.to};
+    list_edges_above_both(p, ends, std::min(0.0, axis.separation), edges);
+    for (const std::uint32_t k : edges) {
         const Polytope::Edge e = p.edge(k);
         if (!(glm::dot(e.left, d) * glm::dot(e.right, d) < 0.0)) continue;
         const dvec3 cross = glm::cross(d, e.direction);
         const double length_sq = glm::dot(cross, cross);
         if (!(length_sq > kParallelSine * kParallelSine * glm::dot(d, d) * glm::dot(e.direction, e.direction))) continue;
         const dvec3 outward = cross * ((glm::dot(cross, e.left + e.right) < 0.0 ? -1.0 : 1.0) / std::sqrt(length_sq));
-        const double depth = glm::dot(outward, s.from - e.from);
-        if (depth > axis.separation && depth > face.separation + preference) {
+        const double separation = glm::dot(outward, s.from - e.from);
+        if (separation > axis.separation && separation > needed) {
             const Segment edge{e.from, e.from + e.direction};
             const SegmentParameters closest = closest_parameters(s, edge);
-            axis = {AxisKind::Edges, -outward, depth, s.at(closest.s), edge.at(closest.t), 0, e.name};
+            axis = {AxisKind::Edges, -outward, separation, s.at(closest.s), edge.at(closest.t), 0, e.name};
         }
     }
+}
+
+// The closest points of a polytope and a segment apart from it. The polytope's is over a face that an end is over, or on an edge next to
+// a plane that is below an end: a normal between those of the edge's planes separates from the segment.
+ContactAxis distance_axis(const Segment& s, const Polytope& p, std::vector<std::uint32_t>& edges) {
+    const dvec3 ends[2] = {s.from, s.to};
+    list_edges_above_one(p, ends, 0.0, edges);
+    ContactAxis axis;
+    double least = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t k : edges) {
+        const ConvexHull::HalfEdge& e = p.half_edges[2 * k];
+        const Segment edge{p.vertex(e.origin), p.origin_of(2 * k + 1)};
+        const SegmentParameters closest = closest_parameters(s, edge);
+        const dvec3 on_a = s.at(closest.s), on_b = edge.at(closest.t);
+        const double sq = glm::dot(on_b - on_a, on_b - on_a);
+        if (sq < least) {
+            least = sq;
+            axis.on_a = on_a;
+            axis.on_b = on_b;
+        }
+    }
+    axis.separation = std::sqrt(least);
+    axis.normal = (axis.on_b - axis.on_a) / axis.separation;
     return axis;
 }
 
@@ -54,14 +70,14 @@ struct ClippedSegment {
 };
 
 // The part of the segment over the face, seen along `normal`, which points to the polytope.
-ClippedSegment clip_to_face(const RoundSegment& core, const Polytope& p, const Polytope::Face& face, const dvec3& normal,
+ClippedSegment clip_to_face(const RoundSegment& core, const Polytope& p, const ConvexHull::Face& face, const dvec3& normal,
                             double tolerance) noexcept {
     const Segment& s = core.segment;
     ClippedSegment clip;
     std::uint32_t e = face.first_edge;
     for (std::uint32_t k = 0; k < face.edge_count; ++k) {
         const std::uint32_t name = p.edge_name(e / 2);
-        const dvec3& v = p.origin_of(e);
+        const dvec3 v = p.origin_of(e);
         e = p.half_edges[e].next;
         const dvec3 edge = p.origin_of(e) - v;
         const dvec3 side = glm::cross(normal, edge);
@@ -89,20 +105,17 @@ std::uint64_t segment_name(double t, std::uint32_t edge) noexcept {
 
 }  // namespace
 
-bool find_axis(const RoundSegment& core, const Polytope& polytope, double margin, ContactAxis& axis) {
-    const dvec3 ends[2] = {core.segment.from, core.segment.to};
-    const std::size_t count = core.segment.from == core.segment.to ? 1 : 2;
-    const GjkResult r = gjk(std::span<const dvec3>(ends, count), polytope.vertices, core.radius + margin);
-    if (r.beyond) return false;
-    if (r.converged) {
-        if (r.distance - core.radius > margin) return false;
-        if (r.distance > kTouching * polytope.size) {
-            axis = {AxisKind::Distance, (r.on_b - r.on_a) / r.distance, r.distance, r.on_a, r.on_b, 0, 0};
-            return true;
-        }
+bool find_axis(const RoundSegment& core, const Polytope& polytope, double margin, PolygonScratch& scratch, ContactAxis& axis) {
+    const Segment& s = core.segment;
+    const double touching = kTouching * polytope.size, farthest = core.radius + margin;
+    axis = face_axis(s, polytope);
+    if (axis.separation > farthest + touching) return false;
+    if (!(axis.separation > touching) && s.from != s.to) try_edges(s, polytope, scratch.edges, axis);
+    if (axis.separation > touching && (axis.kind != AxisKind::FaceOfB || !is_over_face(polytope, axis.feature_b, axis.on_a))) {
+        const ContactAxis distance = distance_axis(s, polytope, scratch.edges);
+        if (distance.separation > axis.separation) axis = distance;
     }
-    axis = least_depth_axis(core.segment, polytope);
-    return axis.separation - core.radius <= margin;
+    return axis.separation <= farthest;
 }
 
 void build_patch(const RoundSegment& core, const Polytope& polytope, const ContactAxis& axis, double margin, AxisPoint axis_point,
@@ -120,13 +133,13 @@ void build_patch(const RoundSegment& core, const Polytope& polytope, const Conta
         points.push_back({position, distance - core.radius, glm::dot(p, axis_u), glm::dot(p, axis_w), name});
     };
 
-    const std::uint32_t f = axis.kind == AxisKind::FaceOfB ? axis.feature_b : face_along(polytope, -axis.normal);
-    const Polytope::Face& face = polytope.planes[f];
-    const double slope = glm::dot(face.normal, axis.normal);
+    const std::uint32_t face = axis.kind == AxisKind::FaceOfB ? axis.feature_b : face_along(polytope, -axis.normal).number;
+    const dvec3 normal = polytope.normal(face);
+    const double slope = glm::dot(normal, axis.normal);
     if (-slope > kLeastSlope && length > 0.0) {
-        const ClippedSegment clip = clip_to_face(core, polytope, face, axis.normal, kInsideTolerance * size);
+        const ClippedSegment clip = clip_to_face(core, polytope, polytope.loops[face], axis.normal, kInsideTolerance * size);
         if (clip.low <= clip.high) {
-            const auto to_face = [&](const dvec3& p) { return (face.offset - glm::dot(face.normal, p)) / slope; };
+            const auto to_face = [&](const dvec3& p) { return (polytope.offset(face) - glm::dot(normal, p)) / slope; };
             add(s.at(clip.low), to_face(s.at(clip.low)), segment_name(clip.low, clip.low_edge));
             add(s.at(clip.high), to_face(s.at(clip.high)), segment_name(clip.high, clip.high_edge));
         }

@@ -1,7 +1,7 @@
 // A segment with a radius (a capsule's core) against a polytope.
 //
 //   ContactAxis axis;
-//   if (find_axis(core, polytope, margin, axis)) build_patch(core, polytope, axis, margin, scratch, patch);
+//   if (find_axis(core, polytope, margin, scratch, axis)) build_patch(core, polytope, axis, margin, scratch, patch);
 #pragma once
 
 #include <carom/narrowphase/detail/polytope_patch.hpp>
@@ -16,10 +16,10 @@ struct RoundSegment {
 };
 
 /// Finds the axis of contact of the segment itself and a polytope in one frame; `axis.separation` and the points are those of the
-/// segment, without its radius. Apart: GJK. Touching or overlapping: the least depth over the faces and over the edges that the segment
-/// crosses. Total: where GJK stops at its cap the faces and edges decide.
+/// segment, without its radius. Apart: the distance, by trying the face that separates best and the edges next to planes below the
+/// segment. Touching or overlapping: the least depth over the faces and over the edges that the segment crosses.
 /// @return false where the rounded segment is farther from the polytope than `margin`.
-bool find_axis(const RoundSegment& core, const Polytope& polytope, double margin, ContactAxis& axis);
+bool find_axis(const RoundSegment& core, const Polytope& polytope, double margin, PolygonScratch& scratch, ContactAxis& axis);
 
 /// Fills `patch` with the points where the segment enters and leaves the region over the face that it lies along, and with the
 /// closest point. Up to two points.

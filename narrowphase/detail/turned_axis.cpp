@@ -1,4 +1,5 @@
 #include <carom/narrowphase/detail/epa.hpp>
+#include <carom/narrowphase/detail/gjk.hpp>
 #include <carom/narrowphase/detail/tolerances.hpp>
 #include <carom/narrowphase/detail/turned_contact.hpp>
 
@@ -101,16 +102,16 @@ bool axis_of(const TruncatedCone& a, const B& b, double size, double margin, con
 
 }  // namespace
 
-bool find_axis(const TruncatedCone& a, const Polytope& b, double margin, ContactAxis& axis, CollideStatus& status) {
+bool find_axis(const TruncatedCone& a, Polytope& b, double margin, ContactAxis& axis, CollideStatus& status) {
     const auto known = [&](auto& best) {
         best.offer_ends_of_a();
-        for (std::uint32_t f = 0; f < b.face_count; ++f) {
-            const Polytope::Face& face = b.planes[f];
-            best.offer({-face.normal, AxisKind::FaceOfB, 0, f}, a.reach(-face.normal) + face.offset);
+        for (std::uint32_t f = 0; f < b.face_count(); ++f) {
+            const dvec3 outward = b.normal(f);
+            best.offer({-outward, AxisKind::FaceOfB, 0, f}, a.reach(-outward) + b.offset(f));
         }
     };
     const auto nearby = [](const dvec3&, auto&) {};
-    return axis_of(a, std::span<const dvec3>(b.vertices), std::max(a.size(), b.size), margin, known, nearby, axis, status);
+    return axis_of(a, list_vertices(b), std::max(a.size(), b.size), margin, known, nearby, axis, status);
 }
 
 bool find_axis(const TruncatedCone& a, const RoundSegment& b, double margin, ContactAxis& axis, CollideStatus& status) {

@@ -16,7 +16,7 @@ namespace carom::detail {
 /// normal of their faces to the last bit. Of a rounded segment the axis is that of the segment itself, without its radius.
 /// @param status  becomes Undecided where EPA stopped at its cap: another direction may be less deep.
 /// @return false where the two are farther apart than `margin`.
-bool find_axis(const TruncatedCone& a, const Polytope& b, double margin, ContactAxis& axis, CollideStatus& status);
+bool find_axis(const TruncatedCone& a, Polytope& b, double margin, ContactAxis& axis, CollideStatus& status);
 bool find_axis(const TruncatedCone& a, const RoundSegment& b, double margin, ContactAxis& axis, CollideStatus& status);
 bool find_axis(const TruncatedCone& a, const TruncatedCone& b, double margin, ContactAxis& axis, CollideStatus& status);
 

@@ -1,4 +1,5 @@
 #include <carom/narrowphase/detail/polytope_patch.hpp>
+#include <carom/narrowphase/detail/polytope_lanes.hpp>
 #include <carom/narrowphase/detail/tolerances.hpp>
 #include <carom/narrowphase/detail/turned_contact.hpp>
 
@@ -33,8 +34,8 @@ Facet facet_of(const TruncatedCone& solid, const dvec3& direction, const Contact
 
 Facet facet_of(const Polytope& p, const dvec3& direction, const ContactAxis& axis, const ContactPlane& plane,
                std::vector<FaceCorner>& corners) {
-    const std::uint32_t face = axis.kind == AxisKind::FaceOfB ? axis.feature_b : face_along(p, direction);
-    return {polygon_of(p, face, plane, corners), glm::dot(p.planes[face].normal, direction), 0.0};
+    const std::uint32_t face = axis.kind == AxisKind::FaceOfB ? axis.feature_b : face_along(p, direction).number;
+    return {polygon_of(p, face, plane, corners), glm::dot(p.normal(face), direction), 0.0};
 }
 
 Facet facet_of(const RoundSegment& round, const dvec3& direction, const ContactAxis&, const ContactPlane& plane,

@@ -8,7 +8,7 @@ namespace carom::detail {
 namespace {
 
 template <class B>
-CollideStatus touch(const PairFrame& pair, const B& second, Workspace& workspace, ManifoldSink& sink) {
+CollideStatus touch(const PairFrame& pair, B&& second, Workspace& workspace, ManifoldSink& sink) {
     const TruncatedCone solid = truncated_cone(pair.first, dmat3{1.0}, dvec3{0.0});
     CollideStatus status = CollideStatus::Ok;
     ContactAxis axis;
@@ -27,9 +27,7 @@ CollideStatus turned_box(const PairFrame& pair, Workspace& workspace, ManifoldSi
 }
 
 CollideStatus turned_hull(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
-    const ConvexHull& hull = *as<ConvexHullPtr>(pair.second);
-    load_hull_vertices(workspace.second, hull, pair.rotation, pair.translation);
-    load_hull_faces(workspace.second, hull, pair.rotation, pair.translation);
+    load_hull(workspace.second, *as<ConvexHullPtr>(pair.second), pair.rotation, pair.translation);
     return touch(pair, workspace.second, workspace, sink);
 }
 

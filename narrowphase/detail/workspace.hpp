@@ -11,7 +11,6 @@ namespace carom::detail {
 
 struct Workspace {
     Polytope first, second;
-    EdgeLists edges;
     PolygonScratch polygons;
     MeshSurface surface;
 };
