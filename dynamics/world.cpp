@@ -69,6 +69,9 @@ Status validate(const WorldDef& def) {
     if (!is_finite(def.contact_damping) || def.contact_damping < 0.0) {
         return fault(ErrorCode::InvalidArgument, "contact_damping must not be negative");
     }
+    if (!(def.contact_reuse >= 0.0 && def.contact_reuse <= 0.1)) {
+        return fault(is_finite(def.contact_reuse) ? ErrorCode::InvalidArgument : ErrorCode::NotFinite, "contact_reuse must lie in 0 .. 0.1");
+    }
     if (!is_finite(def.max_push) || def.max_push < 0.0) return fault(ErrorCode::InvalidArgument, "max_push must not be negative");
     if (!is_valid(def.broadphase)) return fault(ErrorCode::InvalidArgument, "no such broadphase");
     if (def.pair_limit < 1 || def.pair_limit > std::size_t{1} << 31) return fault(ErrorCode::InvalidArgument, "pair_limit must be in 1..2^31");

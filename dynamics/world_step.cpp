@@ -83,7 +83,10 @@ StepReport World::step(double dt) {
     const dynamics::Motion motion{w.def.gravity, dt};
     const Balance before = w.def.report_balance ? balance_of(*this) : Balance{};
     std::swap(w.contacts, w.previous);
-    if (!choices.contacts) w.contacts.clear();  // otherwise each part is replaced below
+    if (!choices.contacts) {  // otherwise each part is replaced below
+        w.contacts.clear();
+        w.names.now.clear();
+    }
 
     if (choices.contacts) {
         step.run(Stage::Bounds, [&] { dynamics::update_swept_bounds(w.proxies, w.arrays, motion, executor); });
@@ -91,17 +94,26 @@ StepReport World::step(double dt) {
             const ProxyChanges changes{w.proxies.boxes, w.proxies.filters, w.proxies.moved, w.proxies.removed};
             const std::uint64_t last = w.broadphase.result().number;
             const PairUpdate& found = w.broadphase.update(changes, executor);
-            if (found.number == last) return w.candidates.clear();  // refused, which was reported: the next step asks again
+            if (found.number == last) {  // refused, which was reported: the next step asks again
+                w.candidates.clear();
+                return w.names.now.clear();
+            }
             dynamics::note_listed(w.proxies);
             step.report.boxes_given = changes.moved.size();
             step.report.boxes_removed = changes.removed.size();
             step.report.pairs_limited = found.status != PairStatus::Complete;
             dynamics::list_candidates(w.proxies, w.arrays, found.pairs, dt, executor, w.candidates);
+            if (w.def.contact_reuse > 0.0) dynamics::name_candidates(w.proxies, w.def.contact_reuse, w.candidates, w.names);
             step.report.pairs = w.candidates.size();
         });
         step.run(Stage::Collide, [&] {
-            step.report.undecided = collide({w.proxies.shapes, w.proxies.poses}, w.candidates, executor, w.collide_scratch,
-                                            w.contacts.manifolds).undecided;
+            const PlacedShapes placed{w.proxies.shapes, w.proxies.poses};
+            std::vector<Manifold>& found = w.contacts.manifolds;
+            const CollideCounts counts =
+                w.def.contact_reuse > 0.0 ? collide(placed, w.candidates, w.previous.manifolds, executor, w.collide_scratch, found)
+                                          : collide(placed, w.candidates, executor, w.collide_scratch, found);
+            step.report.undecided = counts.undecided;
+            step.report.reused = counts.reused;
             dynamics::link_manifolds(w.contacts, [&](std::uint32_t i) { return dynamics::contact_pair(w.proxies, w.candidates[i]); });
             dynamics::carry_impulses(w.contacts, w.previous, w.impulse_scale(dt));
         });

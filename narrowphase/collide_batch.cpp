@@ -3,11 +3,14 @@
 #include <carom/narrowphase/collide.hpp>
 #include <carom/narrowphase/detail/box_lanes.hpp>
 #include <carom/narrowphase/detail/check_pair.hpp>
+#include <carom/narrowphase/detail/reuse.hpp>
 #include <carom/narrowphase/detail/workspace.hpp>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <limits>
+#include <utility>
 #include <variant>
 
 namespace carom {
@@ -19,17 +22,19 @@ constexpr std::size_t kChunk = 128;
 constexpr std::size_t kKinds = static_cast<std::size_t>(kShapeTypeCount) * static_cast<std::size_t>(kShapeTypeCount);
 
 constexpr unsigned char kNoShape = 255;
+constexpr std::uint16_t kReused = kKinds;  // in place of a kind
 
 struct Chunk {
     std::vector<Manifold> manifolds;
-    std::size_t undecided = 0;
 };
 
-// Where the manifolds of a pair are: in a chunk at first, then in the result.
+// Where the manifolds of a pair are: in a chunk, or, for kOfLast, among those of the batch before.
+constexpr std::uint32_t kOfLast = std::numeric_limits<std::uint32_t>::max();
 struct Place {
     std::uint32_t chunk = 0;
     std::uint32_t first = 0;
     std::uint32_t count = 0;
+    bool undecided = false;
 };
 
 }  // namespace
@@ -45,6 +50,10 @@ struct CollideScratch::Data {
     std::vector<Place> places;
     std::vector<std::size_t> starts;
     std::vector<Chunk> chunks;
+    std::vector<Pose> last_poses;                 // by shape: of the batch before
+    std::vector<detail::ShapeMotion> motions;     // by shape: since then
+    std::vector<detail::PairRecord> records, next_records;  // by pair: of the batch before, and of this one
+    std::size_t last_count = 0;                   // manifolds of the batch before
 };
 
 CollideScratch::CollideScratch() : data_(std::make_unique<Data>()) {}
@@ -55,8 +64,10 @@ CollideScratch& CollideScratch::operator=(CollideScratch&&) noexcept = default;
 struct CollideBatch {
     PlacedShapes placed;
     std::span<const NumberedPair> pairs;
+    std::span<const Manifold> last;
     Executor& executor;
     CollideScratch::Data& data;
+    bool alone = false;  // knows nothing of the batch before, and is not remembered
 
     static CollideScratch::Data& data_of(CollideScratch& scratch) {
         if (scratch.data_ == nullptr) scratch.data_ = std::make_unique<CollideScratch::Data>();  // it was moved from
@@ -92,6 +103,14 @@ struct CollideBatch {
         if (a == kNoShape || b == kNoShape) return {"collide: a shape is null"};
         if (!is_finite(pair.margin)) return {"collide: the margin is not finite", ErrorCode::NotFinite};
         if (pair.margin < 0.0f) return {"collide: the margin is negative"};
+        if (!is_finite(pair.slack)) return {"collide: the slack is not finite", ErrorCode::NotFinite};
+        if (pair.slack < 0.0f) return {"collide: the slack is negative"};
+        if (pair.last != kNewPair) {
+            if (alone || pair.last >= data.records.size()) return {"collide: a pair names one beyond the last of the batch before"};
+            if (last.size() != data.last_count) return {"collide: the manifolds are not those of the batch before"};
+            const detail::PairRecord& record = data.records[pair.last];
+            if (record.a != pair.a || record.b != pair.b) return {"collide: a pair names another one of the batch before"};
+        }
         if (!detail::kernel_for(static_cast<ShapeType>(a), static_cast<ShapeType>(b)).exists()) {
             return {"collide: two unbounded or mesh shapes have no contact", ErrorCode::WrongType};
         }
@@ -109,27 +128,54 @@ struct CollideBatch {
         return {};
     }
 
-    // Counting sort, stable: neighbours in the order run the same kernel.
-    void sort_by_kernel() {
-        std::array<std::uint32_t, kKinds + 1> starts{};
+    // What is needed to carry contacts along, of each shape.
+    void measure_motions() {
+        const std::size_t count = placed.shapes.size(), known = data.last_poses.size();
+        data.motions.resize(count);
+        executor.parallel_for(count, 256, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t k = begin; k < end; ++k) {
+                if (data.types[k] != kNoShape && k < known) data.motions[k] = detail::motion_between(data.last_poses[k], placed.poses[k]);
+            }
+        });
+    }
+
+    // Marks the pairs that need not be looked at.
+    void find_reusable() {
+        executor.parallel_for(pairs.size(), 512, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                const NumberedPair& pair = pairs[i];
+                if (pair.last == kNewPair || !(pair.slack > 0.0f)) continue;
+                const detail::PairRecord& record = data.records[pair.last];
+                if (!detail::may_reuse(record, pair, placed)) continue;
+                data.kinds[i] = kReused;
+                data.places[i] = {kOfLast, record.first, record.count, record.undecided};
+            }
+        });
+    }
+
+    // Counting sort, stable: neighbours in the order run the same kernel. @return how many pairs are to be run.
+    std::size_t sort_by_kernel() {
+        std::array<std::uint32_t, kKinds + 2> starts{};
         for (const std::uint16_t kind : data.kinds) ++starts[kind + 1u];
-        for (std::size_t k = 0; k < kKinds; ++k) starts[k + 1] += starts[k];
+        for (std::size_t k = 0; k <= kKinds; ++k) starts[k + 1] += starts[k];
+        const std::size_t count = starts[kReused];
         data.order.resize(pairs.size());
         for (std::size_t i = 0; i < pairs.size(); ++i) data.order[starts[data.kinds[i]]++] = static_cast<std::uint32_t>(i);
+        data.order.resize(count);
+        return count;
     }
 
     void run_chunk(std::size_t index) {
         Chunk& chunk = data.chunks[index];
         chunk.manifolds.clear();
-        chunk.undecided = 0;
         detail::Workspace& workspace = detail::thread_workspace();
-        const std::size_t end = std::min(pairs.size(), (index + 1) * kChunk);
+        const std::size_t end = std::min(data.order.size(), (index + 1) * kChunk);
         for (std::size_t k = index * kChunk; k < end;) {
             const std::uint16_t kind = data.kinds[data.order[k]];
-            std::size_t last = k + 1;
-            while (last < end && data.kinds[data.order[last]] == kind) ++last;
-            run_kind({data.order.data() + k, last - k}, static_cast<std::uint32_t>(index), workspace);
-            k = last;
+            std::size_t next = k + 1;
+            while (next < end && data.kinds[data.order[next]] == kind) ++next;
+            run_kind({data.order.data() + k, next - k}, static_cast<std::uint32_t>(index), workspace);
+            k = next;
         }
     }
 
@@ -143,7 +189,7 @@ struct CollideBatch {
             entry.wide(input(), chosen, workspace, chunk.manifolds);
             for (const std::uint32_t i : chosen) {
                 const std::uint32_t count = first < chunk.manifolds.size() && chunk.manifolds[first].pair == i ? 1u : 0u;
-                data.places[i] = {index, first, count};
+                data.places[i] = {index, first, count, false};
                 first += count;
             }
             return;
@@ -151,41 +197,91 @@ struct CollideBatch {
         for (const std::uint32_t i : chosen) {
             const CollideStatus status = detail::run_pair(input().pair(i), entry, i, workspace, chunk.manifolds);
             const auto end = static_cast<std::uint32_t>(chunk.manifolds.size());
-            data.places[i] = {index, first, end - first};
+            data.places[i] = {index, first, end - first, status != CollideStatus::Ok};
             first = end;
-            if (status != CollideStatus::Ok) ++chunk.undecided;
         }
     }
 
+    // The manifolds of one pair, to where they belong.
+    void write_pair(std::size_t i, Manifold* to) const {
+        const Place& place = data.places[i];
+        if (place.chunk != kOfLast) {
+            const Manifold* from = data.chunks[place.chunk].manifolds.data() + place.first;
+            std::copy(from, from + place.count, to);
+            return;
+        }
+        const std::uint32_t a = pairs[i].a, b = pairs[i].b;
+        const detail::PairMotion motion{data.motions[a], data.motions[b], data.last_poses[b].position - data.last_poses[a].position,
+                                        placed.poses[b].position - placed.poses[a].position};
+        for (std::uint32_t k = 0; k < place.count; ++k) {
+            to[k] = detail::moved_manifold(last[place.first + k], motion);
+            to[k].pair = static_cast<std::uint32_t>(i);
+        }
+    }
+
+    void remember(std::size_t i) {
+        const NumberedPair& pair = pairs[i];
+        const Place& place = data.places[i];
+        detail::PairRecord& record = data.next_records[i];
+        if (place.chunk == kOfLast) {
+            record = data.records[pair.last];
+            --record.left;
+        } else {
+            record = detail::record_of(pair, placed);
+        }
+        record.first = static_cast<std::uint32_t>(data.starts[i]);
+        record.count = place.count;
+        record.undecided = place.undecided;
+    }
+
     CollideCounts run(std::vector<Manifold>& out) {
-        sort_by_kernel();
-        const std::size_t chunk_count = (pairs.size() + kChunk - 1) / kChunk;
-        if (data.chunks.size() < chunk_count) data.chunks.resize(chunk_count);
         data.places.resize(pairs.size());
+        if (!alone) {
+            measure_motions();
+            find_reusable();
+        }
+        const std::size_t run_count = sort_by_kernel();
+        const std::size_t chunk_count = (run_count + kChunk - 1) / kChunk;
+        if (data.chunks.size() < chunk_count) data.chunks.resize(chunk_count);
         executor.parallel_for(chunk_count, 1, [&](std::size_t begin, std::size_t end) {
             for (std::size_t c = begin; c < end; ++c) run_chunk(c);
         });
 
+        CollideCounts counts;
+        counts.reused = pairs.size() - run_count;
         data.starts.resize(pairs.size() + 1);
         data.starts[0] = 0;
-        for (std::size_t i = 0; i < pairs.size(); ++i) data.starts[i + 1] = data.starts[i] + data.places[i].count;
+        for (std::size_t i = 0; i < pairs.size(); ++i) {
+            data.starts[i + 1] = data.starts[i] + data.places[i].count;
+            counts.undecided += data.places[i].undecided ? 1 : 0;
+        }
         out.resize(data.starts.back());
+        data.next_records.resize(alone ? 0 : pairs.size());
         executor.parallel_for(pairs.size(), 1024, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) {
-                const Place& place = data.places[i];
-                const Manifold* from = data.chunks[place.chunk].manifolds.data() + place.first;
-                std::copy(from, from + place.count, out.data() + data.starts[i]);
+                write_pair(i, out.data() + data.starts[i]);
+                if (!alone) remember(i);
             }
         });
-        CollideCounts counts;
-        for (std::size_t c = 0; c < chunk_count; ++c) counts.undecided += data.chunks[c].undecided;
+        std::swap(data.records, data.next_records);
+        data.last_count = out.size();
+        data.last_poses.clear();
+        if (!alone) data.last_poses.assign(placed.poses.begin(), placed.poses.end());
         return counts;
     }
 };
 
+CollideCounts collide(const PlacedShapes& placed, std::span<const NumberedPair> pairs, std::span<const Manifold> last,
+                      Executor& executor, CollideScratch& scratch, std::vector<Manifold>& out) {
+    CollideBatch batch{.placed = placed, .pairs = pairs, .last = last, .executor = executor, .data = CollideBatch::data_of(scratch)};
+    const detail::PairFault fault = batch.find_fault();
+    CAROM_REQUIRE(fault.what == nullptr, fault.code, fault.what, CollideCounts{});
+    return batch.run(out);
+}
+
 CollideCounts collide(const PlacedShapes& placed, std::span<const NumberedPair> pairs, Executor& executor, CollideScratch& scratch,
                       std::vector<Manifold>& out) {
-    CollideBatch batch{placed, pairs, executor, CollideBatch::data_of(scratch)};
+    CollideBatch batch{.placed = placed, .pairs = pairs, .last = {}, .executor = executor, .data = CollideBatch::data_of(scratch), .alone = true};
     const detail::PairFault fault = batch.find_fault();
     CAROM_REQUIRE(fault.what == nullptr, fault.code, fault.what, CollideCounts{});
     return batch.run(out);

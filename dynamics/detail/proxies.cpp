@@ -87,12 +87,14 @@ void put_proxy(ProxySet& set, Proxy proxy, const ProxyFilter& filter) {
         set.motion.resize(size, 0.0);
         set.stale.resize(size, 0);
         set.listed.resize(size, 0);
+        set.versions.resize(size, 0);
     }
     const bool bounded = is_bounded(proxy.shape);
     if (!bounded) set.planes.insert(std::lower_bound(set.planes.begin(), set.planes.end(), slot), slot);
     set.kinds[slot] = bounded ? ProxyKind::Bounded : ProxyKind::Plane;
     set.filters[slot] = filter;
     set.stale[slot] = 1;
+    ++set.versions[slot];
     set.bodies[slot] = proxy.body;
     set.extents[slot] = proxy.extent;
     set.by_slot[slot] = std::move(proxy);
@@ -178,12 +180,37 @@ void list_candidates(const ProxySet& set, const BodyArrays& bodies, std::span<co
     });
 }
 
+namespace {
+
+std::uint64_t key_of(const ProxySet& set, const NumberedPair& candidate) noexcept {
+    const std::uint32_t plane_bit = set.kinds[candidate.b] == ProxyKind::Plane ? 0x80000000u : 0u;  // planes sort after the rest
+    return pack(candidate.a, candidate.b | plane_bit);
+}
+
+}  // namespace
+
+void name_candidates(const ProxySet& set, double share, std::span<NumberedPair> candidates, CandidateNames& names) {
+    std::swap(names.before, names.now);
+    names.now.resize(candidates.size());
+    const std::vector<CandidateName>& before = names.before;
+    std::size_t old = 0;
+    for (std::size_t k = 0; k < candidates.size(); ++k) {
+        NumberedPair& pair = candidates[k];
+        const CandidateName name{key_of(set, pair), set.versions[pair.a], set.versions[pair.b]};
+        names.now[k] = name;
+        pair.slack = static_cast<float>(share * std::min(set.extents[pair.a], set.extents[pair.b]));
+        while (old < before.size() && before[old].key < name.key) ++old;
+        const bool same = old < before.size() && before[old].key == name.key && before[old].version_a == name.version_a &&
+                          before[old].version_b == name.version_b;
+        pair.last = same ? static_cast<std::uint32_t>(old) : kNewPair;
+    }
+}
+
 ContactPair contact_pair(const ProxySet& set, const NumberedPair& candidate) noexcept {
     const Proxy& first = set.by_slot[candidate.a];
     const Proxy& second = set.by_slot[candidate.b];
-    const std::uint32_t plane_bit = set.kinds[candidate.b] == ProxyKind::Plane ? 0x80000000u : 0u;  // planes sort after the rest
     ContactPair pair;
-    pair.key = pack(candidate.a, candidate.b | plane_bit);
+    pair.key = key_of(set, candidate);
     pair.shape_a = first.id;
     pair.shape_b = second.id;
     pair.body_a = first.owner;

@@ -66,6 +66,7 @@ struct ProxySet {
     std::vector<double> motion;           ///< of bounded proxies: how far any point may move in the step [m]
     std::vector<unsigned char> stale;     ///< 1: the box must be made anew although the body is static
     std::vector<unsigned char> listed;    ///< 1: the broadphase has a box of this slot
+    std::vector<std::uint32_t> versions;  ///< how many proxies have stood there
     std::vector<std::uint32_t> planes;    ///< slots of the unbounded ones, ascending: the side list
     std::vector<std::uint32_t> moved;     ///< slots whose boxes the last update made anew, ascending
     std::vector<std::uint32_t> removed;   ///< slots that the broadphase has to let go
@@ -103,6 +104,21 @@ void note_listed(ProxySet& set) noexcept;
 /// extent: contacts predicted from farther away would stop bodies that only pass by.
 void list_candidates(const ProxySet& set, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt, Executor& executor,
                      std::vector<NumberedPair>& out);
+
+/// What tells a candidate of one step in the next: its key, and which proxies stood at the two slots.
+struct CandidateName {
+    std::uint64_t key = 0;
+    std::uint32_t version_a = 0, version_b = 0;
+};
+
+/// Those of a step, and of the step before; kept so that nothing is allocated.
+struct CandidateNames {
+    std::vector<CandidateName> now, before;
+};
+
+/// Numbers each candidate by the same pair of the same two shapes in the step before, and gives it the slack `share` times the smaller
+/// shape's smallest extent.
+void name_candidates(const ProxySet& set, double share, std::span<NumberedPair> candidates, CandidateNames& names);
 
 /// @return the pair of a candidate.
 [[nodiscard]] ContactPair contact_pair(const ProxySet& set, const NumberedPair& candidate) noexcept;

@@ -109,6 +109,7 @@ struct World::Impl {
     dynamics::ProxySet proxies;
     Broadphase broadphase;
     std::vector<NumberedPair> candidates;
+    dynamics::CandidateNames names;
     CollideScratch collide_scratch;
     dynamics::ContactSet contacts, previous;
     dynamics::ContactSolver solver;

@@ -165,7 +165,7 @@ void collide_block(const BatchInput& input, std::span<const std::uint32_t> chose
     all.count = 0;
     for (const std::uint32_t i : chosen) {
         const NumberedPair& pair = input.pairs[i];
-        all.add(static_cast<std::int32_t>(i), static_cast<std::int32_t>(pair.a), static_cast<std::int32_t>(pair.b), pair.margin);
+        all.add(static_cast<std::int32_t>(i), static_cast<std::int32_t>(pair.a), static_cast<std::int32_t>(pair.b), input.margin(i));
     }
     all.place(input);
     find_box_axes({all.pairs.data(), all.bundles()}, {all.axes.data(), all.bundles()});

@@ -79,9 +79,11 @@ struct BatchInput {
     std::span<const BoxLine> boxes;  ///< by shape; of boxes alone
     std::span<const NumberedPair> pairs;
 
+    /// How far apart the two of a pair may be [m].
+    [[nodiscard]] float margin(std::uint32_t index) const noexcept { return pairs[index].margin + pairs[index].slack; }
     [[nodiscard]] ShapePair pair(std::uint32_t index) const noexcept {
         const NumberedPair& p = pairs[index];
-        return {placed.shapes[p.a], placed.shapes[p.b], placed.poses[p.a], placed.poses[p.b], p.margin};
+        return {placed.shapes[p.a], placed.shapes[p.b], placed.poses[p.a], placed.poses[p.b], margin(index)};
     }
 };
 
