@@ -1,16 +1,14 @@
 // Many pairs at once: sorted by kernel, run in chunks of fixed length, laid out in the order of the pairs.
 #include <carom/core/check.hpp>
 #include <carom/narrowphase/collide.hpp>
+#include <carom/narrowphase/detail/batch_memory.hpp>
 #include <carom/narrowphase/detail/box_lanes.hpp>
 #include <carom/narrowphase/detail/check_pair.hpp>
-#include <carom/narrowphase/detail/reuse.hpp>
 #include <carom/narrowphase/detail/workspace.hpp>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <limits>
-#include <utility>
 #include <variant>
 
 namespace carom {
@@ -28,8 +26,7 @@ struct Chunk {
     std::vector<Manifold> manifolds;
 };
 
-// Where the manifolds of a pair are: in a chunk, or, for kOfLast, among those of the batch before.
-constexpr std::uint32_t kOfLast = std::numeric_limits<std::uint32_t>::max();
+// Where the manifolds of a pair are that was run: in a chunk.
 struct Place {
     std::uint32_t chunk = 0;
     std::uint32_t first = 0;
@@ -50,10 +47,7 @@ struct CollideScratch::Data {
     std::vector<Place> places;
     std::vector<std::size_t> starts;
     std::vector<Chunk> chunks;
-    std::vector<Pose> last_poses;                 // by shape: of the batch before
-    std::vector<detail::ShapeMotion> motions;     // by shape: since then
-    std::vector<detail::PairRecord> records, next_records;  // by pair: of the batch before, and of this one
-    std::size_t last_count = 0;                   // manifolds of the batch before
+    detail::BatchMemory memory;
 };
 
 CollideScratch::CollideScratch() : data_(std::make_unique<Data>()) {}
@@ -106,10 +100,8 @@ struct CollideBatch {
         if (!is_finite(pair.slack)) return {"collide: the slack is not finite", ErrorCode::NotFinite};
         if (pair.slack < 0.0f) return {"collide: the slack is negative"};
         if (pair.last != kNewPair) {
-            if (alone || pair.last >= data.records.size()) return {"collide: a pair names one beyond the last of the batch before"};
-            if (last.size() != data.last_count) return {"collide: the manifolds are not those of the batch before"};
-            const detail::PairRecord& record = data.records[pair.last];
-            if (record.a != pair.a || record.b != pair.b) return {"collide: a pair names another one of the batch before"};
+            if (alone || !data.memory.knows(pair)) return {"collide: `last` is not this pair in the batch before"};
+            if (last.size() != data.memory.manifold_count()) return {"collide: the manifolds are not those of the batch before"};
         }
         if (!detail::kernel_for(static_cast<ShapeType>(a), static_cast<ShapeType>(b)).exists()) {
             return {"collide: two unbounded or mesh shapes have no contact", ErrorCode::WrongType};
@@ -128,29 +120,15 @@ struct CollideBatch {
         return {};
     }
 
-    // What is needed to carry contacts along, of each shape.
-    void measure_motions() {
-        const std::size_t count = placed.shapes.size(), known = data.last_poses.size();
-        data.motions.resize(count);
-        executor.parallel_for(count, 256, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t k = begin; k < end; ++k) {
-                if (data.types[k] != kNoShape && k < known) data.motions[k] = detail::motion_between(data.last_poses[k], placed.poses[k]);
-            }
-        });
-    }
-
     // Marks the pairs that need not be looked at.
     void find_reusable() {
-        executor.parallel_for(pairs.size(), 512, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) {
-                const NumberedPair& pair = pairs[i];
-                if (pair.last == kNewPair || !(pair.slack > 0.0f)) continue;
-                const detail::PairRecord& record = data.records[pair.last];
-                if (!detail::may_reuse(record, pair, placed)) continue;
-                data.kinds[i] = kReused;
-                data.places[i] = {kOfLast, record.first, record.count, record.undecided};
-            }
-        });
+        data.memory.compare(placed, pairs, executor);
+        for (std::size_t i = 0; i < pairs.size(); ++i) {
+            if (!data.memory.reuses(i)) continue;
+            const detail::PairRecord& record = data.memory.record(pairs[i]);
+            data.kinds[i] = kReused;
+            data.places[i] = {0, 0, record.count, (record.state & detail::kUndecided) != 0};
+        }
     }
 
     // Counting sort, stable: neighbours in the order run the same kernel. @return how many pairs are to be run.
@@ -202,44 +180,25 @@ struct CollideBatch {
         }
     }
 
-    // The manifolds of one pair, to where they belong.
-    void write_pair(std::size_t i, Manifold* to) const {
-        const Place& place = data.places[i];
-        if (place.chunk != kOfLast) {
-            const Manifold* from = data.chunks[place.chunk].manifolds.data() + place.first;
-            std::copy(from, from + place.count, to);
-            return;
+    // Of pairs [begin, end): their manifolds, to where they belong, and what is known of them from now on.
+    void finish_pairs(std::size_t begin, std::size_t end, Manifold* out) {
+        for (std::size_t i = begin; i < end; ++i) {
+            const Place& place = data.places[i];
+            const bool reused = data.kinds[i] == kReused;
+            if (!reused) {
+                const Manifold* from = data.chunks[place.chunk].manifolds.data() + place.first;
+                std::copy(from, from + place.count, out + data.starts[i]);
+            }
+            if (alone) continue;
+            if (!reused) data.memory.remember(i, detail::record_of(pairs[i], placed, place.count > 0, place.undecided));
+            data.memory.place(i, data.starts[i], place.count);
         }
-        const std::uint32_t a = pairs[i].a, b = pairs[i].b;
-        const detail::PairMotion motion{data.motions[a], data.motions[b], data.last_poses[b].position - data.last_poses[a].position,
-                                        placed.poses[b].position - placed.poses[a].position};
-        for (std::uint32_t k = 0; k < place.count; ++k) {
-            to[k] = detail::moved_manifold(last[place.first + k], motion);
-            to[k].pair = static_cast<std::uint32_t>(i);
-        }
-    }
-
-    void remember(std::size_t i) {
-        const NumberedPair& pair = pairs[i];
-        const Place& place = data.places[i];
-        detail::PairRecord& record = data.next_records[i];
-        if (place.chunk == kOfLast) {
-            record = data.records[pair.last];
-            --record.left;
-        } else {
-            record = detail::record_of(pair, placed);
-        }
-        record.first = static_cast<std::uint32_t>(data.starts[i]);
-        record.count = place.count;
-        record.undecided = place.undecided;
+        if (!alone) data.memory.carry(pairs, begin, end, data.starts, last, out);
     }
 
     CollideCounts run(std::vector<Manifold>& out) {
         data.places.resize(pairs.size());
-        if (!alone) {
-            measure_motions();
-            find_reusable();
-        }
+        if (!alone) find_reusable();
         const std::size_t run_count = sort_by_kernel();
         const std::size_t chunk_count = (run_count + kChunk - 1) / kChunk;
         if (data.chunks.size() < chunk_count) data.chunks.resize(chunk_count);
@@ -256,17 +215,8 @@ struct CollideBatch {
             counts.undecided += data.places[i].undecided ? 1 : 0;
         }
         out.resize(data.starts.back());
-        data.next_records.resize(alone ? 0 : pairs.size());
-        executor.parallel_for(pairs.size(), 1024, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) {
-                write_pair(i, out.data() + data.starts[i]);
-                if (!alone) remember(i);
-            }
-        });
-        std::swap(data.records, data.next_records);
-        data.last_count = out.size();
-        data.last_poses.clear();
-        if (!alone) data.last_poses.assign(placed.poses.begin(), placed.poses.end());
+        executor.parallel_for(pairs.size(), 1024, [&](std::size_t begin, std::size_t end) { finish_pairs(begin, end, out.data()); });
+        alone ? data.memory.forget() : data.memory.finish(placed, out.size());
         return counts;
     }
 };

@@ -1,19 +1,25 @@
 // Contacts of the batch before, for pairs that have hardly moved since they were last looked at.
 //
-//   if (may_reuse(record, pair, placed)) to = moved_manifold(last, motion);
+//   lines[k] = motion_line(poses_before[k], poses_now[k]);             // once for each shape
+//   const unsigned reusable = find_reusable(lines, pairs, records, drift);
+//   move_manifolds(lines, moves, last, out);
 //
-// Seen from the larger of two shapes, no point of the smaller moves by more than d = |t - t0| + angle * reach, where t is the smaller one's
-// origin and `reach` that of its points from it. So:
-// - A pair that was farther apart than margin + d is farther apart than the margin.
-// - The separation along any direction has changed by at most d. The points of a manifold are carried by both shapes, and their
-//   separations are taken between where they are now: right to second order, d^2 / size, as long as the same features decide; where others
-//   do now, the depth is too large by 2 d at most.
+// Seen from the larger of two shapes L, which carries all of space with it, a point r of the smaller one S moves in a batch by
+// u + (E_S - E_L) r, where E is a turn less the identity, d the motion of an origin, and u = d_S - d_L - E_L (p_S - p_L). With w the axial vector
+// of E_S - E_L, that is u + w x r and a rest of second order. The sums U of the u and W of the w since the pair was last looked at say how
+// far the point has come: by m = |U| + |W| reach + rest at most, where the rest holds the symmetric parts of E, |E|^2 / 2 reach each, and
+// what turning the sums along with L would change, |E_L| (|U| + |W| reach) in each batch. So:
+// - A pair that was farther apart than margin + m is farther apart than the margin.
+// - The separation along any direction has changed by at most m. The points of a manifold are carried by both shapes, and their
+//   separations are taken between where they are now: right to second order, m^2 / size, as long as the same features decide; where others
+//   do now, the depth is too large by 2 m at most.
 // - Points on flat sides, edges and corners stay where they are on their shapes. On curved sides they would roll away with the material, and
 //   a rolling body would stand on a flat spot of the size of the slack: manifolds of curved shapes are not carried.
-// A pair is looked at anew where d exceeds its slack, or the margin has grown by more than the slack leaves, and after at most
-// kMostReuses steps, since each step rounds positions to floats.
+// A pair is looked at anew where m exceeds its slack, where the margin has grown by more than the slack leaves, and in one of kMostReuses
+// batches, since each rounds positions to floats.
 #pragma once
 
+#include <carom/core/bundle.hpp>
 #include <carom/narrowphase/collide.hpp>
 
 #include <cstdint>
@@ -21,45 +27,54 @@
 
 namespace carom::detail {
 
-/// A pair is looked at in one of this many batches.
 inline constexpr std::uint32_t kMostReuses = 64;
 
-/// What is known of a pair of the batch before.
-struct PairRecord {
-    dvec3 offset{0.0};             ///< of the smaller shape's origin, along the larger one's axes, when the pair was last looked at [m]
-    float turn[4] = {};            ///< the smaller shape's orientation in the larger one's frame then: x, y, z, w
-    float margin = 0.0f;           ///< that was looked into [m]
-    float reach = 0.0f;            ///< of the smaller shape's points from its origin [m]
+/// How a shape has moved since the batch before, as lanes read it: five rows of four floats.
+struct alignas(16) MotionLine {
+    float turn[3][4] = {};    ///< rows of E; then the motion of the origin along that axis [m]
+    float before[2][4] = {};  ///< where the origin was, as two floats a coordinate
+};
+[[nodiscard]] MotionLine motion_line(const Pose& before, const Pose& now) noexcept;
+
+/// What is known of a pair of the batch before: four rows of four words.
+struct alignas(64) PairRecord {
+    vec3 shift{0.0f};           ///< U [m]
+    float rest = 0.0f;          ///< [m]
+    vec3 turn{0.0f};            ///< W [rad]
+    float margin = 0.0f;        ///< that was looked into [m]
+    float reach = 0.0f;         ///< of the smaller shape's points from its origin [m]
+    std::int32_t state = 0;     ///< how often it may still serve (the low 8 bits), and the bits below
     std::uint32_t a = 0, b = 0;
-    std::uint32_t first = 0;       ///< manifolds of the batch before
-    std::uint32_t count = 0;
-    std::uint16_t left = 0;        ///< steps for which it may still serve
-    bool b_is_smaller = false;
-    bool undecided = false;
-    bool flat = false;             ///< both shapes are flat-sided
+    std::uint32_t first = 0, count = 0;  ///< manifolds of that batch
 };
+inline constexpr std::int32_t kLeftMask = 0xff;
+inline constexpr std::int32_t kBSmaller = 1 << 8;    ///< B is the smaller shape
+inline constexpr std::int32_t kUndecided = 1 << 9;
+inline constexpr std::int32_t kRolls = 1 << 10;      ///< it has manifolds, and a shape is curved
 
-/// How a shape has moved since the batch before.
-struct ShapeMotion {
-    dmat3 turn{1.0};    ///< world axes
-    double angle = 0.0; ///< an upper bound [rad]
+/// @return the record of a pair that is looked at now, without its manifolds.
+[[nodiscard]] PairRecord record_of(const NumberedPair& pair, const PlacedShapes& placed, bool touches, bool undecided) noexcept;
+
+/// Sixteen pairs. Those that are new, and lanes without a pair, name record 0 and have a negative slack.
+struct ReuseBundle {
+    IntBundle a, b, last;
+    FloatBundle margin, slack;
 };
-[[nodiscard]] ShapeMotion motion_between(const Pose& before, const Pose& now) noexcept;
-
-/// @return the record of a pair that is looked at now.
-[[nodiscard]] PairRecord record_of(const NumberedPair& pair, const PlacedShapes& placed) noexcept;
-
-/// @return whether what the record says holds to within the pair's slack.
-[[nodiscard]] bool may_reuse(const PairRecord& record, const NumberedPair& pair, const PlacedShapes& placed) noexcept;
-
-/// The two shapes of a manifold, then and now.
-struct PairMotion {
-    const ShapeMotion& a;
-    const ShapeMotion& b;
-    dvec3 between_before{0.0};  ///< from A's origin to B's [m]
-    dvec3 between_now{0.0};
+/// How far the two have come by now.
+struct DriftBundle {
+    FloatBundle shift[3], turn[3], rest;
 };
-/// @return the manifold carried along: the normal by the shape that turned less, each point by both.
-[[nodiscard]] Manifold moved_manifold(const Manifold& before, const PairMotion& motion) noexcept;
+/// @return the bits of the pairs whose records hold to within their slack.
+/// Roundings to floats, 1e-6 of the motions of the two shapes, are counted as motion.
+[[nodiscard]] std::uint32_t find_reusable(std::span<const MotionLine> lines, const ReuseBundle& pairs, std::span<const PairRecord> records,
+                                          DriftBundle& drift) noexcept;
+
+/// Sixteen manifolds: from where, to where (kNoMove: nowhere), of which shapes, and the number of their pair.
+struct MoveBundle {
+    IntBundle from, to, a, b, pair;
+};
+inline constexpr std::int32_t kNoMove = 0x7fffffff;
+/// Carries manifolds along: the normal by the shape that turned less, each point by both.
+void move_manifolds(std::span<const MotionLine> lines, std::span<const MoveBundle> moves, std::span<const Manifold> last, Manifold* out) noexcept;
 
 }  // namespace carom::detail
