@@ -50,7 +50,7 @@ void BatchMemory::compare(const PlacedShapes& placed, std::span<const NumberedPa
     lines_.resize(placed.shapes.size());
     executor.parallel_for(known, kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
-            if (placed.shapes[k] != nullptr) lines_[k] = motion_line(poses_[k], placed.poses[k]);
+            if (placed.shapes[k] != nullptr) lines_[k] = motion_line(*placed.shapes[k], poses_[k], placed.poses[k]);
         }
     });
     next_.resize(pairs.size());

@@ -29,15 +29,25 @@ double reach_of(const Shape& shape) {
     }
 }
 
-bool is_flat(const Shape& shape) {
+// Spheres and capsules are all points within a radius of a core; for the rest 0.
+float core_radius(const Shape& shape) noexcept {
+    if (const Sphere* sphere = std::get_if<Sphere>(&shape)) return sphere->radius;
+    if (const Capsule* capsule = std::get_if<Capsule>(&shape)) return capsule->radius;
+    return 0.0f;
+}
+
+// Whether points of contact may be carried along with the shape, or with its core.
+bool is_carried(const Shape& shape) {
     switch (type_of(shape)) {
+        case ShapeType::Sphere:
+        case ShapeType::Capsule:
         case ShapeType::Box:
         case ShapeType::Plane:
         case ShapeType::ConvexHull:
         case ShapeType::TriangleMesh: return true;
         case ShapeType::Compound: {
             const auto parts = std::get<CompoundPtr>(shape)->parts();
-            return std::all_of(parts.begin(), parts.end(), [](const CompoundPart& part) { return is_flat(part.shape); });
+            return std::all_of(parts.begin(), parts.end(), [](const CompoundPart& part) { return is_carried(part.shape) && core_radius(part.shape) == 0.0f; });
         }
         default: return false;
     }
@@ -45,12 +55,13 @@ bool is_flat(const Shape& shape) {
 
 }  // namespace
 
-MotionLine motion_line(const Pose& before, const Pose& now) noexcept {
+MotionLine motion_line(const Shape& shape, const Pose& before, const Pose& now) noexcept {
     MotionLine line;
+    line.before[0][3] = core_radius(shape);
     const dvec3 motion = now.position - before.position;
     // Of the turn less the identity every term is small where the turn is, and nothing cancels.
     const dquat q = now.orientation * glm::conjugate(before.orientation);
-    const bool turned = before.orientation != now.orientation;
+    const bool turned = before.orientation != now.orientation && type_of(shape) != ShapeType::Sphere;  // a sphere looks the same
     const double xx = q.x * q.x, yy = q.y * q.y, zz = q.z * q.z, xy = q.x * q.y, yz = q.y * q.z, zx = q.z * q.x;
     const dvec3 w = q.w * dvec3{q.x, q.y, q.z};
     const double rows[3][3] = {{-2.0 * (yy + zz), 2.0 * (xy - w.z), 2.0 * (zx + w.y)},
@@ -78,7 +89,7 @@ PairRecord record_of(const NumberedPair& pair, const PlacedShapes& placed, bool 
     record.state = static_cast<std::int32_t>(kMostReuses) - 1 - share;
     if (reach_b < reach_a) record.state |= kBSmaller;
     if (undecided) record.state |= kUndecided;
-    if (touches && !(is_flat(a) && is_flat(b))) record.state |= kRolls;
+    if (touches && !(is_carried(a) && is_carried(b))) record.state |= kRolls;
     return record;
 }
 

@@ -1,6 +1,6 @@
 // Contacts of the batch before, for pairs that have hardly moved since they were last looked at.
 //
-//   lines[k] = motion_line(poses_before[k], poses_now[k]);             // once for each shape
+//   lines[k] = motion_line(shape, pose_before, pose_now);             // once for each shape
 //   const unsigned reusable = find_reusable(lines, pairs, records, drift);
 //   move_manifolds(lines, moves, last, out);
 //
@@ -14,7 +14,9 @@
 //   separations are taken between where they are now: right to second order, m^2 / size, as long as the same features decide; where others
 //   do now, the depth is too large by 2 m at most.
 // - Points on flat sides, edges and corners stay where they are on their shapes. On curved sides they would roll away with the material, and
-//   a rolling body would stand on a flat spot of the size of the slack: manifolds of curved shapes are not carried.
+//   a rolling body would stand on a flat spot of the size of the slack. Of spheres and capsules it is the point of the core that is carried,
+//   and the contact is a radius away from it along the new normal, which is the other shape's, or that of the two cores. Manifolds of
+//   cylinders, of cones and of compounds with curved parts are not carried.
 // A pair is looked at anew where m exceeds its slack, where the margin has grown by more than the slack leaves, and in one of kMostReuses
 // batches, since each rounds positions to floats.
 #pragma once
@@ -32,9 +34,9 @@ inline constexpr std::uint32_t kMostReuses = 64;
 /// How a shape has moved since the batch before, as lanes read it: five rows of four floats.
 struct alignas(16) MotionLine {
     float turn[3][4] = {};    ///< rows of E; then the motion of the origin along that axis [m]
-    float before[2][4] = {};  ///< where the origin was, as two floats a coordinate
+    float before[2][4] = {};  ///< where the origin was, as two floats a coordinate; then the radius about the core
 };
-[[nodiscard]] MotionLine motion_line(const Pose& before, const Pose& now) noexcept;
+[[nodiscard]] MotionLine motion_line(const Shape& shape, const Pose& before, const Pose& now) noexcept;
 
 /// What is known of a pair of the batch before: four rows of four words.
 struct alignas(64) PairRecord {
@@ -50,7 +52,7 @@ struct alignas(64) PairRecord {
 inline constexpr std::int32_t kLeftMask = 0xff;
 inline constexpr std::int32_t kBSmaller = 1 << 8;    ///< B is the smaller shape
 inline constexpr std::int32_t kUndecided = 1 << 9;
-inline constexpr std::int32_t kRolls = 1 << 10;      ///< it has manifolds, and a shape is curved
+inline constexpr std::int32_t kRolls = 1 << 10;      ///< it has manifolds that are not carried
 
 /// @return the record of a pair that is looked at now, without its manifolds.
 [[nodiscard]] PairRecord record_of(const NumberedPair& pair, const PlacedShapes& placed, bool touches, bool undecided) noexcept;
@@ -74,7 +76,8 @@ struct MoveBundle {
     IntBundle from, to, a, b, pair;
 };
 inline constexpr std::int32_t kNoMove = 0x7fffffff;
-/// Carries manifolds along: the normal by the shape that turned less, each point by both.
+/// Carries manifolds along: the normal by the shape that turned less (the one that is not round; two round ones: by their cores), each point
+/// by both.
 void move_manifolds(std::span<const MotionLine> lines, std::span<const MoveBundle> moves, std::span<const Manifold> last, Manifold* out) noexcept;
 
 }  // namespace carom::detail

@@ -26,6 +26,7 @@ struct Moving {
     Floats3 row[3];      ///< of E
     Floats3 motion;
     Floats3 coarse, fine;  ///< where the origins were: the sum
+    Floats radius;         ///< about the core
 
     HWY_INLINE Floats3 turned(const Floats3& r) const { return {dot(row[0], r), dot(row[1], r), dot(row[2], r)}; }
     HWY_INLINE Floats size_sq() const { return (dot(row[0], row[0]) + dot(row[1], row[1])) + dot(row[2], row[2]); }
@@ -33,13 +34,13 @@ struct Moving {
 
 HWY_INLINE Moving read_moving(std::span<const MotionLine> lines, const std::int32_t* numbers) {
     const float* const base = lines.data()->turn[0];
-    Floats e00, e01, e02, e10, e11, e12, e20, e21, e22, dx, dy, dz, x, y, z, fine_x, fine_y, fine_z, unused;
+    Floats e00, e01, e02, e10, e11, e12, e20, e21, e22, dx, dy, dz, x, y, z, radius, fine_x, fine_y, fine_z, unused;
     gather_rows(base, numbers, kLineStride, 0, e00, e01, e02, dx);
     gather_rows(base, numbers, kLineStride, 4, e10, e11, e12, dy);
     gather_rows(base, numbers, kLineStride, 8, e20, e21, e22, dz);
-    gather_rows(base, numbers, kLineStride, 12, x, y, z, unused);
+    gather_rows(base, numbers, kLineStride, 12, x, y, z, radius);
     gather_rows(base, numbers, kLineStride, 16, fine_x, fine_y, fine_z, unused);
-    return {{{e00, e01, e02}, {e10, e11, e12}, {e20, e21, e22}}, {dx, dy, dz}, {x, y, z}, {fine_x, fine_y, fine_z}};
+    return {{{e00, e01, e02}, {e10, e11, e12}, {e20, e21, e22}}, {dx, dy, dz}, {x, y, z}, {fine_x, fine_y, fine_z}, radius};
 }
 
 // From the origin of A to that of B, before.
@@ -107,13 +108,40 @@ struct Carrier {
     Floats3 normal, new_normal;
     Floats3 apart, relative;
 
+    // The points of A and B less their radii: about A's origin, and about B's.
+    HWY_INLINE Floats3 core_a(const WidePoint& point) const { return point.position - normal * (Floats(0.5f) * point.separation + a.radius); }
+    HWY_INLINE Floats3 core_b(const WidePoint& point) const {
+        return (point.position + normal * (Floats(0.5f) * point.separation + b.radius)) - apart;
+    }
+    // @param first  the first point, the only one where both are round.
+    HWY_INLINE Floats3 turned_normal(const WidePoint& first) const {
+        const Floats zero(0.0f);
+        const Mask round_a = a.radius > zero, round_b = b.radius > zero;
+        const Floats size_a = a.size_sq(), size_b = b.size_sq();
+        const Mask by_a = (round_b & (!round_a)) | ((size_a <= size_b) & (!(round_a & (!round_b))));
+        const Floats3 change = select(by_a, a.turned(normal), b.turned(normal));
+        // Between cores; where they coincide the old normal is as good as any.
+        const Floats3 old_a = core_a(first), old_b = core_b(first);
+        const Floats3 cores = (((apart + old_b) - old_a) + relative) + (b.turned(old_b) - a.turned(old_a));
+        const Mask by_cores = round_a & round_b & (length(cores) > Floats(1e-3f) * (a.radius + b.radius));
+        const Floats3 turned = select(by_cores, cores, normal + change);
+        const Mask rests = (!by_cores) & (select(by_a, size_a, size_b) == zero);
+        return select(rests, normal, turned * (Floats(1.0f) / length(turned)));
+    }
     HWY_INLINE void carry(WidePoint& point, Mask used) const {
-        const Floats3 half = normal * (Floats(0.5f) * point.separation);
-        const Floats3 from_a = a.turned(point.position - half);
-        const Floats3 from_b = b.turned((point.position + half) - apart) + relative;
-        point.position = select(used, point.position + (from_a + from_b) * Floats(0.5f), point.position);
+        const Floats3 swing = new_normal - normal;  // moves the surface of what is round
+        const Floats3 from_a = a.turned(core_a(point)) + swing * a.radius;
+        const Floats3 from_b = (b.turned(core_b(point)) - swing * b.radius) + relative;
         // The old separation along the new normal is shorter by the square of the turn: nothing that rests may change, not even by rounding.
-        point.separation = select(used, point.separation + dot(new_normal, from_b - from_a), point.separation);
+        const Floats separation = point.separation + dot(new_normal, from_b - from_a);
+        // The contact of what is round stays below its core, wherever the other shape's point has gone.
+        const Floats half(0.5f), zero(0.0f);
+        const Floats3 old_half = normal * (half * point.separation), new_half = new_normal * (half * separation);
+        const Floats3 by_a = ((point.position - old_half) + from_a) + new_half, by_b = ((point.position + old_half) + from_b) - new_half;
+        const Floats3 middle = point.position + (from_a + from_b) * half;
+        const Floats3 position = select(a.radius > zero, by_a, select(b.radius > zero, by_b, middle));
+        point.position = select(used, position, point.position);
+        point.separation = select(used, separation, point.separation);
     }
 };
 
@@ -129,13 +157,9 @@ void MoveManifolds(std::span<const MotionLine> lines, std::span<const MoveBundle
                 gather_rows(from, move.from.lane + lane, sizeof(Manifold) / sizeof(float), 4 * k, r[k][0], r[k][1], r[k][2], r[k][3]);
             }
             const Floats3 normal{r[6][0], r[6][1], r[6][2]};
-            const Floats3 by_a = normal + a.turned(normal), by_b = normal + b.turned(normal);
-            const Floats size_a = a.size_sq(), size_b = b.size_sq();
-            const Floats3 turned = select(size_a <= size_b, by_a, by_b);
-            const Mask rests = min(size_a, size_b) == Floats(0.0f);
-            const Floats3 new_normal = select(rests, normal, turned * (Floats(1.0f) / length(turned)));
             const Ints count = as_ints(r[7][0]);
-            const Carrier carrier{a, b, normal, new_normal, between(a, b), b.motion - a.motion};
+            Carrier carrier{a, b, normal, normal, between(a, b), b.motion - a.motion};
+            carrier.new_normal = carrier.turned_normal({{r[0][0], r[0][1], r[0][2]}, r[0][3]});
             // Points of 24 bytes in rows of 16: the second of each pair of them lies across two rows.
 #pragma GCC unroll 2
             for (std::size_t k = 0; k < 2; ++k) {
@@ -148,7 +172,7 @@ void MoveManifolds(std::span<const MotionLine> lines, std::span<const MoveBundle
                 first[0] = even.position.x, first[1] = even.position.y, first[2] = even.position.z, first[3] = even.separation;
                 middle[2] = odd.position.x, middle[3] = odd.position.y, third[0] = odd.position.z, third[1] = odd.separation;
             }
-            r[6][0] = new_normal.x, r[6][1] = new_normal.y, r[6][2] = new_normal.z;
+            r[6][0] = carrier.new_normal.x, r[6][1] = carrier.new_normal.y, r[6][2] = carrier.new_normal.z;
             r[6][3] = as_floats(load(move.pair.lane + lane));
 #pragma GCC unroll 8
             for (std::size_t k = 0; k < kManifoldRows; ++k) {

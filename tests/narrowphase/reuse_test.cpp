@@ -175,8 +175,7 @@ TEST(Reuse, EveryPairIsLookedAtAnewInTime) {
     }
 }
 
-TEST(Reuse, CurvedShapesInContactAreAlwaysLookedAt) {
-    Random r(4);
+TEST(Reuse, CurvedShapesAreCarriedByTheirCoresOrLookedAt) {
     const std::vector<CompoundPart> parts{{Box{{0.2f, 0.2f, 0.2f}}, {}}, {Sphere{0.3f}, {{0.3, 0, 0}, kIdentityRotation}}};
     const std::vector<CompoundPart> flat_parts{{Box{{0.2f, 0.2f, 0.2f}}, {}}, {Box{{0.3f, 0.1f, 0.1f}}, {{0.3, 0, 0}, kIdentityRotation}}};
     const Shape ground = Box{{5, 0.5f, 5}};
@@ -187,13 +186,48 @@ TEST(Reuse, CurvedShapesInContactAreAlwaysLookedAt) {
         crowd.collide_again();
         return crowd.collide_again().reused == 1;
     };
-    EXPECT_TRUE(reused(Box{{0.5f, 0.5f, 0.5f}}, 0.5));
-    EXPECT_TRUE(reused(Compound::build(flat_parts).value(), 0.2));
-    for (const Shape& curved : {Shape{Sphere{0.5f}}, Shape{Capsule{0.5f, 0.1f}}, Shape{Cylinder{0.5f, 0.5f}}, Shape{Cone{0.5f, 0.5f}},
-                                Shape{Compound::build(parts).value()}}) {
+    for (const Shape& carried : {Shape{Box{{0.5f, 0.5f, 0.5f}}}, Shape{Compound::build(flat_parts).value()}, Shape{Sphere{0.5f}}, Shape{Capsule{0.3f, 0.1f}}}) {
+        EXPECT_TRUE(reused(carried, 0.3));
+    }
+    for (const Shape& curved : {Shape{Cylinder{0.5f, 0.5f}}, Shape{Cone{0.5f, 0.5f}}, Shape{Compound::build(parts).value()}}) {
         EXPECT_FALSE(reused(curved, 0.3));
         EXPECT_TRUE(reused(curved, 3.0));  // apart it is
     }
+}
+
+TEST(Reuse, WhatRollsKeepsItsContactBelowItsCore) {
+    Random r(6);
+    for (int i = 0; i < 200; ++i) {
+        Crowd crowd;
+        const float radius = static_cast<float>(r.range(0.1, 0.5));
+        const bool ball = i % 2 == 0;
+        crowd.add(ball ? Shape{Sphere{radius}} : Shape{Capsule{radius, 0.3f}}, Box{{5, 0.5f, 5}}, {}, 5e-3f);
+        const double height = static_cast<double>(radius) - 1e-3;
+        // A capsule lies along z; either rolls along x.
+        const dquat lying = ball ? random_rotation(r) : about({1, 0, 0}, 0.5 * kPi);
+        crowd.poses = {{{0, height, 0}, lying}, {{0, -0.5, 0}, kIdentityRotation}};
+        crowd.collide_again();
+        for (int k = 1; k <= 5; ++k) {
+            const double way = 8e-5 * k;
+            crowd.poses[0] = {{way, height - 1e-5 * k, 0}, about({0, 0, 1}, -way / static_cast<double>(radius)) * lying};
+            EXPECT_EQ(crowd.collide_again().reused, 1u);
+            ASSERT_EQ(crowd.found.size(), 1u);
+            for (const ContactPoint& p : crowd.found[0].used()) {
+                EXPECT_NEAR(p.position.x, 0.0, 1e-6);  // about A, which is above it
+                EXPECT_NEAR(p.separation, -1e-3 - 1e-5 * k, 1e-6);
+            }
+        }
+    }
+    // Two balls: the normal turns with the line between them.
+    Crowd crowd;
+    crowd.add(Sphere{0.5f}, Sphere{0.25f}, {}, 2e-3f);
+    crowd.poses = {{{0, 0, 0}, kIdentityRotation}, {{0, 0.749, 0}, kIdentityRotation}};
+    crowd.collide_again();
+    crowd.poses[1].position = {1e-3, 0.749, 0};
+    EXPECT_EQ(crowd.collide_again().reused, 1u);
+    ASSERT_EQ(crowd.found.size(), 1u);
+    EXPECT_NEAR(crowd.found[0].normal.x, 1e-3 / 0.749, 1e-6);
+    EXPECT_NEAR(crowd.found[0].points[0].separation, std::hypot(1e-3, 0.749) - 0.75, 2e-6);
 }
 
 TEST(Reuse, ThreadsChangeNothing) {
