@@ -92,6 +92,7 @@ Json to_json(const RunRecord& record) {
             {"speed", {{"max", or_null(record.max_speed)}, {"mean", or_null(record.mean_speed)}}},
             {"contacts", record.contacts},
             {"manifolds", record.manifolds},
+            {"reused_share", record.reused_share},
             {"state_hash", to_hex(record.state_hash)}};
 }
 
@@ -132,8 +133,8 @@ std::string summary(const RunRecord& record) {
     if (record.max_speed) {
         fmt::format_to(out, "speed         max {:.3g} m/s, mean {:.3g} m/s\n", *record.max_speed, *record.mean_speed);
     }
-    fmt::format_to(out, "contacts      {} in {} manifolds\nstate hash    {}\n", record.contacts, record.manifolds,
-                   to_hex(record.state_hash));
+    fmt::format_to(out, "contacts      {} in {} manifolds; {:.0f} % of all pairs were carried along\nstate hash    {}\n", record.contacts,
+                   record.manifolds, 100.0 * record.reused_share, to_hex(record.state_hash));
     return fmt::to_string(text);
 }
 

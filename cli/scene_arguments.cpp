@@ -76,6 +76,7 @@ void SceneArguments::add_to(CLI::App& command) {
     command.add_option("--threads", threads, "threads; results do not depend on it")->check(whole_number(1, 256));
     command.add_option("--seed", seed, "seed of the scene's random stream")
         ->check(whole_number(0, std::numeric_limits<std::uint64_t>::max()));
+    command.add_option("--contact-reuse", contact_reuse, "share of a shape's smallest extent by which two may move before their contact is found anew, 0..0.1; 0: every step");
     add_choice(command, "--broadphase-method", broadphase, broadphase_choices(), "who finds the pairs; results do not depend on it");
     command.add_option("--set", set, "a parameter that the scene declares, KEY=VALUE; may be repeated")
         ->take_all()
@@ -89,6 +90,9 @@ Result<LoadedScene> SceneArguments::load() const {
     if (dt && *dt <= 0.0) {
         return Error{ErrorCode::InvalidArgument, fmt::format("must be positive, not {}", *dt), "--dt"};
     }
+    if (contact_reuse && !(*contact_reuse >= 0.0 && *contact_reuse <= 0.1)) {
+        return Error{ErrorCode::InvalidArgument, fmt::format("must lie in 0..0.1, not {}", *contact_reuse), "--contact-reuse"};
+    }
     Result<std::map<std::string, std::string>> settings = key_values(set);
     if (!settings) return settings.error();
     Result<std::unique_ptr<Executor>> executor = make_executor(threads);
@@ -101,6 +105,7 @@ Result<LoadedScene> SceneArguments::load() const {
     options.set = *settings;
     options.world.executor = executor->get();
     options.world.broadphase = broadphase;
+    options.world.contact_reuse = contact_reuse.value_or(options.world.contact_reuse);
     Result<scenes::SceneRun> run = is_path(scene) ? scenes::read_scene(scene, options) : scenes::make_scene(scene, options);
     if (!run) return with_known_names(run.error(), *this);
     run->steps = steps.value_or(run->steps);

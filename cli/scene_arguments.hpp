@@ -28,6 +28,7 @@ struct SceneArguments {
     std::string scene;                  ///< a name, or a path: whatever ends in .json or has a slash
     std::optional<int> bodies, steps, substeps;
     std::optional<double> dt;           ///< [s]
+    std::optional<double> contact_reuse;
     std::optional<std::uint64_t> seed;
     std::vector<std::string> set;       ///< KEY=VALUE
     BroadphaseMethod broadphase = BroadphaseMethod::Automatic;

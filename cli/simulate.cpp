@@ -35,6 +35,8 @@ public:
         }
         quarantined_.insert(report.quarantined.begin(), report.quarantined.end());
         undecided_ += report.undecided;
+        pairs_ += report.pairs;
+        reused_ += report.reused;
         pairs_limited_ += report.pairs_limited ? 1 : 0;
         overflow_ += report.overflow;
         deep_ += report.deep;
@@ -62,6 +64,7 @@ public:
         if (!is_empty(domain_)) record.escaped = escaped_.size();
         record.quarantined = quarantined_.size();
         record.undecided = undecided_;
+        record.reused_share = pairs_ > 0 ? static_cast<double>(reused_) / static_cast<double>(pairs_) : 0.0;
         record.pairs_limited = pairs_limited_;
         record.overflow = overflow_;
         record.deep = deep_;
@@ -96,6 +99,7 @@ private:
     std::array<double, kStageCount> stage_ms_{};
     std::set<BodyId> escaped_, quarantined_;
     std::size_t undecided_ = 0, pairs_limited_ = 0, overflow_ = 0, deep_ = 0, contacts_ = 0, manifolds_ = 0;
+    std::size_t pairs_ = 0, reused_ = 0;
 };
 
 // Bodies, speeds and hash of the last state.

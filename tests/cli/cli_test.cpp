@@ -51,6 +51,8 @@ TEST(Cli, NumbersOutOfRangeAreNamed) {
     expect_refused({"run", scene, "--bodies", "many"}, {"--bodies", "many"});
     expect_refused({"run", scene, "--substeps", "0"}, {"--substeps", "0"});
     expect_refused({"run", scene, "--substeps", "1025"}, {"--substeps", "1025"});
+    expect_refused({"run", scene, "--contact-reuse", "0.2"}, {"--contact-reuse", "0.2"});
+    expect_refused({"run", scene, "--contact-reuse", "nan"}, {"--contact-reuse", "nan"});
     expect_refused({"run", scene, "--threads", "0"}, {"--threads"});
     expect_refused({"run", scene, "--seed", "-1"}, {"--seed", "-1"});
     expect_refused({"run", scene, "--seed", "18446744073709551616"}, {"--seed"});

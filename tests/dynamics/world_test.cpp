@@ -75,6 +75,9 @@ TEST(World, RefusesBadSettings) {
     EXPECT_THROW(World({.substeps = 0}), MisuseError);
     EXPECT_THROW(World({.contact_rate = -1.0}), MisuseError);
     EXPECT_THROW(World({.contact_rate = 0.3}), MisuseError);
+    EXPECT_THROW(World({.contact_reuse = -1e-9}), MisuseError);
+    EXPECT_THROW(World({.contact_reuse = 0.11}), MisuseError);
+    EXPECT_THROW(World({.contact_reuse = std::numeric_limits<double>::quiet_NaN()}), MisuseError);
     EXPECT_THROW(World({.max_push = kNaN}), MisuseError);
     EXPECT_THROW(World({.broadphase = static_cast<BroadphaseMethod>(7)}), MisuseError);
     EXPECT_THROW(World({.pair_limit = 0}), MisuseError);
