@@ -190,7 +190,7 @@ struct CollideBatch {
                 std::copy(from, from + place.count, out + data.starts[i]);
             }
             if (alone) continue;
-            if (!reused) data.memory.remember(i, detail::record_of(pairs[i], placed, place.count > 0, place.undecided));
+            if (!reused) data.memory.remember(i, pairs[i], place.count > 0, place.undecided);
             data.memory.place(i, data.starts[i], place.count);
         }
         if (!alone) data.memory.carry(pairs, begin, end, data.starts, last, out);

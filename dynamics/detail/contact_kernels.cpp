@@ -80,6 +80,9 @@ CAROM_PASS_INLINE void solve_friction(PointLanes& p, int lane, Floats friction, 
     b.push(impulse, rb);
 }
 
+/// A pair at its push limit is parted at least at this share of it.
+constexpr float kJamShare = 0.004f;
+
 struct SoftLanes {
     Floats bias_rate, mass_scale, impulse_scale, push_limit;
 };
@@ -103,7 +106,14 @@ CAROM_PASS_INLINE void solve_normal(PointLanes& p, int lane, const SoftLanes& so
     const Floats3 rb = lever_b(p, lane);
     const Floats vn = dot(b.velocity_at(rb) - a.velocity_at(ra), basis.n);
     const Floats old = get(p.normal_impulse, lane);
-    const Floats change = -(get(p.normal_mass, lane) * mass_scale * (vn + bias)) - impulse_scale * old;
+    const Floats mass = get(p.normal_mass, lane);
+    Floats change = -(mass * mass_scale * (vn + bias)) - impulse_scale * old;
+    if constexpr (kBias) {
+        // What leaks away bounds a push at its limit. Where others jam the pair, it has to grow until they give way, if slowly.
+        const Mask at_limit = soft.bias_rate * separation < -soft.push_limit;
+        const Floats growing = mass * (broadcast(kJamShare) * soft.push_limit - vn);
+        change = select(at_limit, max(change, growing), change);
+    }
     const Floats accumulated = max(old + change, zero);
     put(p.normal_impulse, lane, accumulated);
     if (bounces) put(p.peak_impulse, lane, max(get(p.peak_impulse, lane), accumulated));  // which restitution alone asks for

@@ -46,11 +46,14 @@ void set_move(MoveBundle& bundle, std::size_t lane, std::size_t from, std::size_
 }  // namespace
 
 void BatchMemory::compare(const PlacedShapes& placed, std::span<const NumberedPair> pairs, Executor& executor) {
-    const std::size_t known = std::min(poses_.size(), placed.shapes.size());
-    lines_.resize(placed.shapes.size());
-    executor.parallel_for(known, kGrain, [&](std::size_t begin, std::size_t end) {
+    const std::size_t count = placed.shapes.size(), known = std::min(poses_.size(), count);
+    lines_.resize(count);
+    traits_.resize(count);
+    executor.parallel_for(count, kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
-            if (placed.shapes[k] != nullptr) lines_[k] = motion_line(*placed.shapes[k], poses_[k], placed.poses[k]);
+            if (placed.shapes[k] == nullptr) continue;
+            traits_[k] = trait_of(*placed.shapes[k]);
+            if (k < known) lines_[k] = motion_line(*placed.shapes[k], poses_[k], placed.poses[k]);
         }
     });
     next_.resize(pairs.size());

@@ -3,7 +3,7 @@
 //   memory.compare(placed, pairs, executor);            // which pairs have hardly moved
 //   if (memory.reuses(i)) count = memory.record(pairs[i]).count;
 //   memory.carry(pairs, numbers, starts, last, out);    // their manifolds
-//   memory.remember(i, record_of(...));                 // of the others
+//   memory.remember(i, pairs[i], touches, undecided);   // of the others
 //   memory.place(i, starts[i], count);                  // of all
 //   memory.finish(placed, manifolds);
 #pragma once
@@ -35,7 +35,9 @@ public:
                std::span<const Manifold> last, Manifold* out) const;
 
     /// Says what is known of pair `i`, which was looked at, from now on.
-    void remember(std::size_t i, const PairRecord& record) noexcept { next_[i] = record; }
+    void remember(std::size_t i, const NumberedPair& pair, bool touches, bool undecided) noexcept {
+        next_[i] = record_of(pair, traits_[pair.a], traits_[pair.b], touches, undecided);
+    }
     /// Says where the manifolds of pair `i` are from now on.
     void place(std::size_t i, std::size_t first, std::size_t count) noexcept {
         next_[i].first = static_cast<std::uint32_t>(first);
@@ -48,6 +50,7 @@ public:
 private:
     std::vector<Pose> poses_;                // by shape
     std::vector<MotionLine> lines_;          // by shape: since then
+    std::vector<ShapeTrait> traits_;         // by shape of this batch
     std::vector<PairRecord> records_, next_;  // by pair
     std::vector<unsigned char> reused_;      // by pair of this batch
     std::size_t manifold_count_ = 0;

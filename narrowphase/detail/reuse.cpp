@@ -36,7 +36,6 @@ float core_radius(const Shape& shape) noexcept {
     return 0.0f;
 }
 
-// Whether points of contact may be carried along with the shape, or with its core.
 bool is_carried(const Shape& shape) {
     switch (type_of(shape)) {
         case ShapeType::Sphere:
@@ -76,20 +75,22 @@ MotionLine motion_line(const Shape& shape, const Pose& before, const Pose& now) 
     return line;
 }
 
-PairRecord record_of(const NumberedPair& pair, const PlacedShapes& placed, bool touches, bool undecided) noexcept {
-    const Shape &a = *placed.shapes[pair.a], &b = *placed.shapes[pair.b];
-    const double reach_a = reach_of(a), reach_b = reach_of(b);
+ShapeTrait trait_of(const Shape& shape) noexcept {
+    return {std::nextafter(static_cast<float>(reach_of(shape)), std::numeric_limits<float>::infinity()), is_carried(shape)};
+}
+
+PairRecord record_of(const NumberedPair& pair, const ShapeTrait& a, const ShapeTrait& b, bool touches, bool undecided) noexcept {
     PairRecord record;
-    record.reach = std::nextafter(static_cast<float>(std::min(reach_a, reach_b)), std::numeric_limits<float>::infinity());
+    record.reach = std::min(a.reach, b.reach);
     record.margin = pair.margin + pair.slack;
     record.a = pair.a;
     record.b = pair.b;
     // Pairs that were found together are not all looked at anew together.
     const auto share = static_cast<std::int32_t>(scrambled((std::uint64_t{pair.a} << 32) | pair.b) % (kMostReuses / 2));
     record.state = static_cast<std::int32_t>(kMostReuses) - 1 - share;
-    if (reach_b < reach_a) record.state |= kBSmaller;
+    if (b.reach < a.reach) record.state |= kBSmaller;
     if (undecided) record.state |= kUndecided;
-    if (touches && !(is_carried(a) && is_carried(b))) record.state |= kRolls;
+    if (touches && !(a.carried && b.carried)) record.state |= kRolls;
     return record;
 }
 

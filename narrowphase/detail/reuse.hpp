@@ -54,8 +54,15 @@ inline constexpr std::int32_t kBSmaller = 1 << 8;    ///< B is the smaller shape
 inline constexpr std::int32_t kUndecided = 1 << 9;
 inline constexpr std::int32_t kRolls = 1 << 10;      ///< it has manifolds that are not carried
 
+/// What records need of a shape.
+struct ShapeTrait {
+    float reach = 0.0f;    ///< of its points from its origin, rounded up [m]
+    bool carried = false;  ///< points of contact may be carried along with it, or with its core
+};
+[[nodiscard]] ShapeTrait trait_of(const Shape& shape) noexcept;
+
 /// @return the record of a pair that is looked at now, without its manifolds.
-[[nodiscard]] PairRecord record_of(const NumberedPair& pair, const PlacedShapes& placed, bool touches, bool undecided) noexcept;
+[[nodiscard]] PairRecord record_of(const NumberedPair& pair, const ShapeTrait& a, const ShapeTrait& b, bool touches, bool undecided) noexcept;
 
 /// Sixteen pairs. Those that are new, and lanes without a pair, name record 0 and have a negative slack.
 struct ReuseBundle {
