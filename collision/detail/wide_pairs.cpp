@@ -101,6 +101,7 @@ struct alignas(64) Described {
     Bounds box;                   ///< grown by the margin
     float corner[3][3][kWidth];   ///< [corner][x, y, z]
     float normal[3][kWidth];
+    float size[kWidth];           ///< no less than the normal's length
     float longest;                ///< edge of a box, margin included
     Whole whole;                  ///< around all boxes
     bool has_planes = false;
@@ -140,6 +141,7 @@ struct alignas(64) Described {
             store(n.x, normal[0] + part);
             store(n.y, normal[1] + part);
             store(n.z, normal[2] + part);
+            store(abs(n.x) + abs(n.y) + abs(n.z), size + part);
         }
     }
 };
@@ -151,8 +153,14 @@ HWY_INLINE float doubt_of(float plane, float other, float margin, float largest)
     return 1.01f * (2.0f * d * (2.0f * w * l + l * l) + 6.0f * d * d * (2.0f * l + w) + 6.0f * d * d * d + 0x1p-20f * l * l * w);
 }
 
+/// How far off the planes of a's and b's triangles something must be to be parted by them, times the lengths of their normals: a bound on
+/// rounding and the reach.
+struct Doubts {
+    float a, b, reach;
+};
+
 /// The lanes of `mine`, of one part, that no plane parts from triangle j of `other`.
-HWY_INLINE Mask not_parted(const Described& mine, int part, const Described& other, std::size_t j, Floats doubt_mine, Floats doubt_other) {
+HWY_INLINE Mask not_parted(const Described& mine, int part, const Described& other, std::size_t j, const Doubts& doubts) {
     Floats low(3e38f), high(-3e38f), low_mine(3e38f), high_mine(-3e38f);
     for (std::size_t k = 0; k < 3; ++k) {
         Floats above(0.0f), above_mine(0.0f);
@@ -165,7 +173,8 @@ HWY_INLINE Mask not_parted(const Described& mine, int part, const Described& oth
         low_mine = min(low_mine, above_mine);
         high_mine = max(high_mine, above_mine);
     }
-    return (low <= doubt_other) & (high >= -doubt_other) & (low_mine <= doubt_mine) & (high_mine >= -doubt_mine);
+    const Floats of_other = Floats(doubts.b + doubts.reach * other.size[j]), of_mine = Floats(doubts.a) + Floats(doubts.reach) * load(mine.size + part);
+    return (low <= of_other) & (high >= -of_other) & (low_mine <= of_mine) & (high_mine >= -of_mine);
 }
 
 /// The vertices of a leaf of b in the frame of a.
@@ -193,14 +202,15 @@ HWY_INLINE bool find_partners(Described& first, Described& second, const WidePla
     if (some == 0) return false;
     first.set_planes();
     second.set_planes();
-    const Floats doubt_a(doubt_of(first.longest, second.longest, placement.margin_a, placement.largest));
-    const Floats doubt_b(doubt_of(second.longest, first.longest, placement.margin_a, placement.largest));
+    const float times = placement.reach_a > 0.0f ? 4.0f : 1.0f;
+    const Doubts doubts{times * doubt_of(first.longest, second.longest, placement.margin_a, placement.largest),
+                        times * doubt_of(second.longest, first.longest, placement.margin_a, placement.largest), placement.reach_a};
     some = 0;
     for (std::size_t j = 0; j < pair.b.triangle_count; ++j) {
         if (pair.partners[j] == 0) continue;
         unsigned left = 0;
         for (int part = 0; part < kWidth; part += kLanes) {
-            left |= bits(not_parted(first, part, second, j, doubt_a, doubt_b)) << part;
+            left |= bits(not_parted(first, part, second, j, doubts)) << part;
         }
         pair.partners[j] &= left;
         some |= pair.partners[j];
@@ -246,8 +256,10 @@ HWY_INLINE Side side_of(const WideBvh& tree, const WideRef& ref, Bounds& own) {
 }
 
 void descend(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, LeafPairVisit visit) {
-    std::vector<PairEntry> stack;
-    stack.reserve(1024);
+    // A visit may descend another pair of trees: the buffer is then in use.
+    thread_local std::vector<PairEntry> kept;
+    std::vector<PairEntry> stack = std::move(kept);
+    stack.clear();
     stack.push_back({WideBvh::root(), WideBvh::root()});
     alignas(64) Bounds own_a, own_b, a_in_b, b_in_a;
     Described first_leaf, second_leaf;
@@ -261,16 +273,16 @@ void descend(const WideBvh& a, const WideBvh& b, const WidePlacement& placement,
             if (here.b != described_b) {
                 alignas(64) float vertex[3][kWidth];
                 place_vertices(pair.b, placement.to_a, vertex);
-                second_leaf.set(pair.b, vertex, placement.margin_a);
+                second_leaf.set(pair.b, vertex, placement.margin_a + placement.reach_a);
             }
             described_a = here.a;
             described_b = here.b;
-            if (find_partners(first_leaf, second_leaf, placement, pair) && !visit(pair)) return;
+            if (find_partners(first_leaf, second_leaf, placement, pair) && !visit(pair)) break;
             continue;
         }
         const Side first = side_of(a, here.a, own_a), second = side_of(b, here.b, own_b);
-        place_boxes(*first.bound, placement.to_b, placement.margin_b, a_in_b);
-        place_boxes(*second.bound, placement.to_a, placement.margin_a, b_in_a);
+        place_boxes(*first.bound, placement.to_b, placement.margin_b + placement.reach_b, a_in_b);
+        place_boxes(*second.bound, placement.to_a, placement.margin_a + placement.reach_a, b_in_a);
         std::size_t deepest = stack.size();
         float depth = -1.0f;
         const unsigned there = (1u << second.count) - 1u;
@@ -287,6 +299,7 @@ void descend(const WideBvh& a, const WideBvh& b, const WidePlacement& placement,
         }
         if (depth >= 0.0f) std::swap(stack[deepest], stack.back());
     }
+    kept = std::move(stack);
 }
 
 }  // namespace

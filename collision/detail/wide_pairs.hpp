@@ -11,6 +11,10 @@
 // the longest edges of boxes of triangles in the two leaves. The determinant e × f · w of edges e, f up to L = sqrt(3) B long and w up to
 // W is computed from differences that are wrong by d = 2 m + 2 u X in each component, and with rounding errors of 16 u L² W: together
 // by less than 2 d (2 W L + L²) + 6 d² (2 L + W) + 6 d³ + 16 u L² W. Only what is farther off a plane than that is parted by it.
+//
+// Reach. Asked for what is within a reach r > 0, boxes of b's tree grow by r, and a plane parts what is farther off it than r |n|, n = e × f.
+// |n| is bounded by the sum of its components' sizes, whose error is at most 12 d L + 6 d² + 12 u L²; as W > r, r times that is less than three
+// times the bound above, which is taken four times.
 #pragma once
 
 #include <carom/collision/detail/wide_bvh.hpp>
@@ -28,7 +32,10 @@ struct WidePlacement {
     float margin_a;    ///< m of the header, in the frame of a, and of b
     float margin_b;
     float largest;     ///< X, in the frame of a
+    float reach_a;     ///< r of the header, in the frame of a, rounded up
+    float reach_b;
     bool too_unlike;   ///< in size, for float: visit_leaf_pairs then works in double, box by box
+    double reach;      ///< [m]
     double metres;     ///< of a unit of b's tree
     double units;      ///< of a's tree, of a metre
     Pose pose;
@@ -38,10 +45,12 @@ struct WidePlacement {
     [[nodiscard]] dvec3 place(float x, float y, float z) const noexcept;
 };
 
-/// @return false where the two cannot meet, and where the pose is not finite.
-[[nodiscard]] bool place(const WideBvh& a, const WideBvh& b, const Pose& b_in_a, WidePlacement& out) noexcept;
+/// @param reach  [m]; finite, >= 0.
+/// @return false where no points of the two are within `reach` of each other, and where the pose is not finite.
+[[nodiscard]] bool place(const WideBvh& a, const WideBvh& b, const Pose& b_in_a, double reach, WidePlacement& out) noexcept;
 
-/// Triangles of two leaves that neither their boxes nor their planes part: of triangle j of leaf b those of `partners[j]` of leaf a.
+/// Triangles of two leaves that neither their boxes nor their planes keep farther apart than the reach: of triangle j of leaf b those of
+/// `partners[j]` of leaf a.
 struct LeafPair {
     const WideLeaf& a;
     const WideLeaf& b;
@@ -49,7 +58,8 @@ struct LeafPair {
 };
 using LeafPairVisit = FunctionRef<bool(const LeafPair&)>;
 
-/// Calls `visit` for every pair of leaves with a pair of triangles that may meet, until it returns false.
+/// Calls `visit` for every pair of leaves with a pair of triangles that may be within the reach, until it returns false. Allocates only
+/// while a buffer of the calling thread grows.
 void visit_leaf_pairs(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, LeafPairVisit visit);
 
 /// The same box by box in double, leaving only boxes to part what does not meet: for sizes that float cannot hold together, and to

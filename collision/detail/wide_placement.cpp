@@ -22,7 +22,7 @@ bool overlap(const DoubleBox& a, const DoubleBox& b) noexcept {
     return glm::all(glm::lessThanEqual(a.lower, b.upper)) && glm::all(glm::lessThanEqual(b.lower, a.upper));
 }
 
-/// Around a box of b's tree at its place, grown by a share of its size.
+/// Around a box of b's tree at its place, grown by the reach and a share of its size.
 DoubleBox placed(const DoubleBox& box, const WidePlacement& placement) noexcept {
     DoubleBox out{dvec3{1e308}, dvec3{-1e308}};
     for (int corner = 0; corner < 8; ++corner) {
@@ -33,7 +33,7 @@ DoubleBox placed(const DoubleBox& box, const WidePlacement& placement) noexcept 
         out.upper = glm::max(out.upper, q);
     }
     const dvec3 size = glm::max(glm::abs(out.lower), glm::abs(out.upper)) + glm::abs(placement.pose.position) * placement.units;
-    const dvec3 margin = dvec3{0x1p-46 * std::max({size.x, size.y, size.z})};
+    const dvec3 margin = dvec3{0x1p-46 * std::max({size.x, size.y, size.z}) + placement.reach * placement.units};
     return {out.lower - margin, out.upper + margin};
 }
 
@@ -62,9 +62,10 @@ dvec3 WidePlacement::place(float x, float y, float z) const noexcept {
     return p;
 }
 
-bool place(const WideBvh& a, const WideBvh& b, const Pose& b_in_a, WidePlacement& out) noexcept {
+bool place(const WideBvh& a, const WideBvh& b, const Pose& b_in_a, double reach, WidePlacement& out) noexcept {
     if (!is_finite(b_in_a)) return false;
     out.pose = b_in_a;
+    out.reach = reach;
     out.units = static_cast<double>(a.scale);
     out.metres = 1.0 / static_cast<double>(b.scale);
     const DoubleBox whole_a{dvec3{a.lower}, dvec3{a.upper}};
@@ -80,7 +81,7 @@ bool place(const WideBvh& a, const WideBvh& b, const Pose& b_in_a, WidePlacement
         return std::max({size.x, size.y, size.z});
     };
     const double of_a = largest(dvec3{a.lower}, dvec3{a.upper}), of_b = ratio * largest(dvec3{b.lower}, dvec3{b.upper});
-    const double size = std::max(of_a, of_b);
+    const double size = std::max({of_a, of_b, out.units * reach});
     out.too_unlike = !(of_a > 0x1p-40 * size && of_b > 0x1p-40 * size && size < 0x1p30 && size > 0x1p-30);
     if (out.too_unlike) return true;
     for (int row = 0; row < 3; ++row) {
@@ -92,6 +93,8 @@ bool place(const WideBvh& a, const WideBvh& b, const Pose& b_in_a, WidePlacement
         out.to_b[row][3] = static_cast<float>(shift_back[row]);
     }
     out.largest = static_cast<float>(size);
+    out.reach_a = static_cast<float>(out.units * reach * (1.0 + 0x1p-22));
+    out.reach_b = static_cast<float>(reach / out.metres * (1.0 + 0x1p-22));
     out.margin_a = 0x1p-20f * static_cast<float>(size + largest(shift, shift));
     out.margin_b = 0x1p-20f * static_cast<float>(size / ratio + largest(shift_back, shift_back));
     return true;

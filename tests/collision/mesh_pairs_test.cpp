@@ -258,7 +258,7 @@ TEST(MeshPairs, AreTheSameBoxByBoxInDouble) {
     const StaticBvh bvh = bvh_of(ball);
     for (int n = 0; n < 20; ++n) {
         WidePlacement placement;
-        if (!place(bvh.wide(), bvh.wide(), random_pose(random, 1.2), placement)) continue;
+        if (!place(bvh.wide(), bvh.wide(), random_pose(random, 1.2), 0.0, placement)) continue;
         // Lanes may leave out only pairs that the slow way finds apart.
         std::vector<TrianglePair> lanes, slow;
         const auto list = [&](std::vector<TrianglePair>& out, bool check) {

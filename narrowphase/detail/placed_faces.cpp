@@ -1,0 +1,63 @@
+#include <carom/narrowphase/detail/feature.hpp>
+#include <carom/narrowphase/detail/placed_faces.hpp>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/vector_relational.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace carom::detail {
+namespace {
+
+PlacedFace placed_face(const MeshSide& side, std::uint32_t triangle) noexcept {
+    PlacedFace face;
+    face.corners = side.corners(triangle);
+    face.vertices = side.vertices(triangle);
+    const auto& [a, b, c] = face.corners;
+    face.lower = glm::min(glm::min(a, b), c);
+    face.upper = glm::max(glm::max(a, b), c);
+    const dvec3 cross = glm::cross(b - a, c - a);
+    const double area = std::sqrt(glm::dot(cross, cross));
+    if (area > 0.0) face.normal = cross / area;
+    for (std::size_t k = 0; k < 3; ++k) face.edges[k] = edge_name(face.vertices[k], face.vertices[(k + 1) % 3]);
+    return face;
+}
+
+}  // namespace
+
+std::uint32_t edge_name(std::uint32_t a, std::uint32_t b) noexcept {
+    return static_cast<std::uint32_t>(scrambled(std::uint64_t{std::min(a, b)} << 32 | std::max(a, b)) >> 33);
+}
+
+std::uint32_t PlacedFaces::number_of(Placed& placed, std::vector<PlacedFace>& faces, const MeshSide& side, std::uint32_t triangle) {
+    if (placed.rounds[triangle] != round_) {
+        placed.rounds[triangle] = round_;
+        placed.numbers[triangle] = static_cast<std::uint32_t>(faces.size());
+        faces.push_back(placed_face(side, triangle));
+    }
+    return placed.numbers[triangle];
+}
+
+void PlacedFaces::place(const MeshSide& a, const MeshSide& b, std::span<const TrianglePair> near, double reach) {
+    first.clear();
+    second.clear();
+    pairs.clear();
+    ++round_;
+    const auto make_room = [](Placed& placed, std::size_t count) {
+        if (placed.rounds.size() >= count) return;
+        placed.rounds.resize(count, 0u);
+        placed.numbers.resize(count, 0u);
+    };
+    make_room(first_placed_, a.mesh().triangles().size());
+    make_room(second_placed_, b.mesh().triangles().size());
+    for (const TrianglePair& pair : near) {
+        const std::uint32_t i = number_of(first_placed_, first, a, pair.a), j = number_of(second_placed_, second, b, pair.b);
+        const PlacedFace &x = first[i], &y = second[j];
+        const bool apart = glm::any(glm::greaterThan(x.lower, y.upper + dvec3{reach})) || glm::any(glm::lessThan(x.upper, y.lower - dvec3{reach}));
+        if (!apart) pairs.push_back({i, j});
+    }
+}
+
+}  // namespace carom::detail
