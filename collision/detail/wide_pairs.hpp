@@ -40,6 +40,9 @@ struct WidePlacement {
     double units;      ///< of a's tree, of a metre
     Pose pose;
 
+    /// Sets the reach [m]; finite, >= 0. A visit may lower it: what is descended to afterwards is judged by the new one.
+    void set_reach(double metres_away) noexcept;
+
     /// @return the place of a corner of b's tree in a's tree coordinates: transform_point(pose, corner), but zero for what is below
     /// 2^-300.
     [[nodiscard]] dvec3 place(float x, float y, float z) const noexcept;

@@ -62,6 +62,12 @@ dvec3 WidePlacement::place(float x, float y, float z) const noexcept {
     return p;
 }
 
+void WidePlacement::set_reach(double metres_away) noexcept {
+    reach = metres_away;
+    reach_a = static_cast<float>(units * reach * (1.0 + 0x1p-22));
+    reach_b = static_cast<float>(reach / metres * (1.0 + 0x1p-22));
+}
+
 bool place(const WideBvh& a, const WideBvh& b, const Pose& b_in_a, double reach, WidePlacement& out) noexcept {
     if (!is_finite(b_in_a)) return false;
     out.pose = b_in_a;
@@ -93,8 +99,7 @@ bool place(const WideBvh& a, const WideBvh& b, const Pose& b_in_a, double reach,
         out.to_b[row][3] = static_cast<float>(shift_back[row]);
     }
     out.largest = static_cast<float>(size);
-    out.reach_a = static_cast<float>(out.units * reach * (1.0 + 0x1p-22));
-    out.reach_b = static_cast<float>(reach / out.metres * (1.0 + 0x1p-22));
+    out.set_reach(reach);
     out.margin_a = 0x1p-20f * static_cast<float>(size + largest(shift, shift));
     out.margin_b = 0x1p-20f * static_cast<float>(size / ratio + largest(shift_back, shift_back));
     return true;

@@ -22,6 +22,7 @@ struct Leader {
     double separation = 0.0;      ///< along it [m]
     dvec3 position{0.0};          ///< midway between the surfaces
     std::uint64_t feature = 0;
+    bool is_crossing = false;     ///< of two edges
     bool used = false;
 };
 
@@ -30,7 +31,6 @@ struct LeaderLimits {
     double margin = 0.0;     ///< separations up to this count [m]
     double depth = 0.0;      ///< deeper overlaps are not looked for [m]
     double tolerance = 0.0;  ///< points this close are one [m]
-    bool overlapping = false;
 };
 
 class LeaderFinder {
@@ -38,8 +38,9 @@ public:
     std::vector<Leader> leaders;
     bool incomplete = false;  ///< the search stopped at a cap, or found overlaps and no way out of them
 
-    /// Replaces `leaders`. `faces` are those within the margin of each other.
-    void find(const MeshSide& first, const MeshSide& second, const LeaderLimits& limits, const PlacedFaces& faces);
+    /// Replaces `leaders`. `faces` are those within the margin of each other, `meeting` the pairs of triangles that meet.
+    void find(const MeshSide& first, const MeshSide& second, const LeaderLimits& limits, const PlacedFaces& faces,
+              std::span<const TrianglePair> meeting);
 
     /// The least that parts two triangles that meet, where nothing else was found.
     void add_parting(const MeshSide& first, const MeshSide& second, const TrianglePair& meeting);
@@ -54,17 +55,27 @@ private:
         double separation = 0.0;
     };
 
-    void visit_vertices(const MeshSide& mover, const MeshSide& surface, bool mover_is_first);
-    void look_at_vertex(const MeshSide& mover, const MeshSide& surface, std::uint32_t vertex, bool mover_is_first);
+    /// A vertex to look at, with the nearest point of the other surface that is known.
+    struct Visit {
+        std::uint32_t vertex = 0;
+        double nearest_sq = 0.0;
+        dvec3 nearest{0.0};
+    };
+
+    void queue_near(const PlacedFaces& faces, bool mover_is_first);
+    void look_at_vertex(const MeshSide& mover, const MeshSide& surface, const Visit& visit, bool mover_is_first);
     void collect_crossings(const PlacedFaces& faces);
     void add_crossing(const PlacedFace& a, std::size_t i, const PlacedFace& b, std::size_t j, double reach);
     void judge_crossings(const MeshSide& first, const MeshSide& second);
+    void drop_spared(const MeshSide& first, const MeshSide& second);
+    [[nodiscard]] bool spares(const Leader& other, const Leader& leader, const MeshSide& first, const MeshSide& second) const;
     void judge_crossing(const MeshSide& first, const MeshSide& second, const Crossing& crossing);
-    void note(std::uint32_t vertex);
+    Visit& note(std::uint32_t vertex);
 
     LeaderLimits limits_;
-    std::vector<std::uint32_t> queue_;          // vertices to look at
-    std::vector<std::uint32_t> stamps_;         // by vertex: the round in which it was queued
+    bool overlapping_ = false;
+    std::vector<Visit> queue_;
+    std::vector<std::uint32_t> rounds_, places_;  // by vertex: the round in which it was queued, and where
     std::uint32_t round_ = 0;
     std::vector<Crossing> crossings_;
     std::vector<std::uint64_t> names_;          // of the crossings
@@ -77,7 +88,7 @@ private:
 /// Two meshes of which contacts are sought.
 struct MeshContact {
     MeshSide first, second;
-    std::vector<TrianglePair> near;
+    std::vector<TrianglePair> near, meeting;
     PlacedFaces faces;
     LeaderFinder finder;
 };

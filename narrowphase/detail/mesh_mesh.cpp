@@ -70,7 +70,7 @@ void emit_patches(MeshContact& contact, const LeaderLimits& limits, std::vector<
         const ContactPlane plane = contact_plane(deepest->normal, limits.margin, limits.tolerance);
         points.clear();
         const PlacedFaces& faces = contact.faces;
-        for (const TrianglePair& pair : faces.pairs) add_face_points(faces.first[pair.a], faces.second[pair.b], plane, points);
+        for (const FacePair& pair : faces.pairs) add_face_points(faces.first[pair.a], faces.second[pair.b], plane, points);
         // Faces on far sides of thin parts look at each other too, from behind.
         const double least = std::min(2.0 * deepest->separation, deepest->separation) - limits.tolerance;
         std::erase_if(points, [&](const Candidate& c) { return c.separation < least; });
@@ -145,11 +145,12 @@ CollideStatus mesh_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSin
             set_sides(pair, contact);
             limits.margin = margin;
             limits.depth = std::max(margin, kDepthShare * smaller);
-            const std::optional<TrianglePair> meeting = find_overlap(a.bvh(), b.bvh(), b_in_a);
-            limits.overlapping = meeting.has_value();
-            contact.faces.place(contact.first, contact.second, contact.near, reach);
-            contact.finder.find(contact.first, contact.second, limits, contact.faces);
-            if (contact.finder.leaders.empty() && meeting) contact.finder.add_parting(contact.first, contact.second, *meeting);
+            overlapping_pairs(a.bvh(), b.bvh(), b_in_a, contact.meeting);
+            contact.faces.place(contact.first, contact.second, contact.near, contact.meeting, reach);
+            contact.finder.find(contact.first, contact.second, limits, contact.faces, contact.meeting);
+            if (contact.finder.leaders.empty() && !contact.meeting.empty()) {
+                contact.finder.add_parting(contact.first, contact.second, contact.meeting.front());
+            }
             if (!contact.finder.leaders.empty()) break;
         }
         if (margin < pair.margin) continue;

@@ -77,10 +77,14 @@ std::optional<SurfacePoint> MeshSide::measure(const dvec3& p, double reach) cons
     const dvec3 own = (p - translation_) * rotation_;
     const std::optional<ClosestOnMesh> nearest = closest_point(mesh_->bvh(), own, reach);
     if (!nearest) return std::nullopt;
+    return measure_at(p, rotation_ * nearest->point + translation_);
+}
+
+std::optional<SurfacePoint> MeshSide::measure_at(const dvec3& p, const dvec3& nearest) const {
     SurfacePoint out;
-    out.point = rotation_ * nearest->point + translation_;
-    out.triangle = nearest->triangle;
+    out.point = nearest;
     const dvec3 gap = p - out.point;
+    const double distance = std::sqrt(glm::dot(gap, gap));
     double height = 0.0;
     dvec3 sum{0.0};
     int count = 0;
@@ -94,16 +98,16 @@ std::optional<SurfacePoint> MeshSide::measure(const dvec3& p, double reach) cons
         ++count;
     });
     const double length = std::sqrt(glm::dot(sum, sum));
-    if (nearest->distance <= touching_) {
+    if (distance <= touching_) {
         // On the surface: out along the mean of the normals there.
         if (!(length > kBeside)) return std::nullopt;
         out.outward = sum / length;
         out.separation = height;
         return out;
     }
-    const bool lone_edge = count == 1 && std::abs(height) < (1.0 - kBeside) * nearest->distance;
-    const bool behind = height < -kBeside * nearest->distance && !lone_edge;
-    out.separation = behind ? -nearest->distance : nearest->distance;
+    const bool lone_edge = count == 1 && std::abs(height) < (1.0 - kBeside) * distance;
+    const bool behind = height < -kBeside * distance && !lone_edge;
+    out.separation = behind ? -distance : distance;
     out.outward = gap / out.separation;
     return out;
 }

@@ -19,7 +19,6 @@ struct SurfacePoint {
     dvec3 point{0.0};
     dvec3 outward{0.0, 1.0, 0.0};  ///< unit: the way out of what the surface bounds, through the other point or from it
     double separation = 0.0;       ///< negative: the other point is behind the surface [m]
-    std::uint32_t triangle = 0;
 };
 
 /// A face above or below a point.
@@ -56,6 +55,8 @@ public:
     /// @return the nearest point of the surface, if it is within `reach` [m]. Sign: that of the plane farthest from p among the triangles
     /// at that point (Baerentzen, Aanaes 2005, sec. 3). Beside an open edge a point is in front, whatever its height.
     [[nodiscard]] std::optional<SurfacePoint> measure(const dvec3& p, double reach) const;
+    /// The same where the nearest point is known.
+    [[nodiscard]] std::optional<SurfacePoint> measure_at(const dvec3& p, const dvec3& nearest) const;
 
     /// Replaces `faces` by those that p lies straight behind, by at most `reach` [m]; on their outline to `tolerance` [m].
     void faces_over(const dvec3& p, double reach, double tolerance, std::vector<SurfaceFace>& faces) const;

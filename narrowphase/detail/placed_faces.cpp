@@ -3,7 +3,6 @@
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <glm/vector_relational.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -16,12 +15,15 @@ PlacedFace placed_face(const MeshSide& side, std::uint32_t triangle) noexcept {
     face.corners = side.corners(triangle);
     face.vertices = side.vertices(triangle);
     const auto& [a, b, c] = face.corners;
-    face.lower = glm::min(glm::min(a, b), c);
-    face.upper = glm::max(glm::max(a, b), c);
+    face.box = {glm::min(glm::min(a, b), c), glm::max(glm::max(a, b), c)};
     const dvec3 cross = glm::cross(b - a, c - a);
     const double area = std::sqrt(glm::dot(cross, cross));
     if (area > 0.0) face.normal = cross / area;
-    for (std::size_t k = 0; k < 3; ++k) face.edges[k] = edge_name(face.vertices[k], face.vertices[(k + 1) % 3]);
+    for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t next = (k + 1) % 3;
+        face.edges[k] = edge_name(face.vertices[k], face.vertices[next]);
+        face.edge_boxes[k] = {glm::min(face.corners[k], face.corners[next]), glm::max(face.corners[k], face.corners[next])};
+    }
     return face;
 }
 
@@ -40,7 +42,8 @@ std::uint32_t PlacedFaces::number_of(Placed& placed, std::vector<PlacedFace>& fa
     return placed.numbers[triangle];
 }
 
-void PlacedFaces::place(const MeshSide& a, const MeshSide& b, std::span<const TrianglePair> near, double reach) {
+void PlacedFaces::place(const MeshSide& a, const MeshSide& b, std::span<const TrianglePair> near, std::span<const TrianglePair> meeting,
+                        double reach) {
     first.clear();
     second.clear();
     pairs.clear();
@@ -54,9 +57,9 @@ void PlacedFaces::place(const MeshSide& a, const MeshSide& b, std::span<const Tr
     make_room(second_placed_, b.mesh().triangles().size());
     for (const TrianglePair& pair : near) {
         const std::uint32_t i = number_of(first_placed_, first, a, pair.a), j = number_of(second_placed_, second, b, pair.b);
-        const PlacedFace &x = first[i], &y = second[j];
-        const bool apart = glm::any(glm::greaterThan(x.lower, y.upper + dvec3{reach})) || glm::any(glm::lessThan(x.upper, y.lower - dvec3{reach}));
-        if (!apart) pairs.push_back({i, j});
+        if (!within(first[i].box, second[j].box, reach)) continue;
+        while (!meeting.empty() && meeting.front() < pair) meeting = meeting.subspan(1);
+        pairs.push_back({i, j, !meeting.empty() && meeting.front() == pair});
     }
 }
 

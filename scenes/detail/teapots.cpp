@@ -17,7 +17,7 @@ namespace {
 
 constexpr double kBigTeapot = 6.0;  // from handle to spout [m]
 constexpr double kSmallTeapot = 0.9;
-constexpr double kSmallChord = 0.01 * kSmallTeapot;  // of its mesh
+constexpr double kSmallChord = 0.02 * kSmallTeapot;  // of its mesh
 constexpr double kPitch = 1.3;       // between neighbours and between layers [m]
 constexpr int kAcross = 12;          // bodies along each side of a layer
 constexpr double kFirstLayer = 6.0;  // [m]; the teapot's lid is below 5 m

@@ -115,7 +115,6 @@ TEST(MeshMesh, ACornerOfARoomPushesOnBothWalls) {
     for (auto& t : inwards) std::swap(t[1], t[2]);
     const Shape room = *TriangleMesh::build(outside->vertices(), inwards), crate = box_mesh({0.5f, 0.5f, 0.5f}, 2);
     const std::vector<Manifold> m = collide_all(crate, {{1.501, -1.501, 0.2}}, room, {}, 0.01f);
-    for (const Manifold& x : m) for (auto& p: x.used()) printf("n %g %g %g p %g %g %g s %g f %lx\n", x.normal.x,x.normal.y,x.normal.z,p.position.x,p.position.y,p.position.z,p.separation,p.feature);
     ASSERT_EQ(m.size(), 2u);
     for (const Manifold& x : m) {
         EXPECT_EQ(x.count, 4u);
