@@ -18,7 +18,8 @@ constexpr std::size_t kMostVertices = 4096;
 // A contact spares a crossing of edges another way out where it is within this many times the crossing's depth.
 constexpr double kSparedReach = 4.0;
 
-std::uint64_t vertex_name(std::uint32_t vertex, bool of_first) noexcept {
+std::uint64_t vertex_feature(const MeshSide& side, std::uint32_t index, bool of_first) noexcept {
+    const std::uint32_t vertex = vertex_name(side.mesh().vertices()[index]);
     return of_first ? feature_name(FeatureKind::VertexOfFirst, vertex, 0) : feature_name(FeatureKind::VertexOfSecond, 0, vertex);
 }
 
@@ -92,7 +93,7 @@ void LeaderFinder::look_at_vertex(const MeshSide& mover, const MeshSide& surface
     if (!nearest || nearest->separation > limits_.margin) return;
     const double turn = mover_is_first ? -1.0 : 1.0;  // from the way out of the surface to the normal
     const auto leader = [&](const dvec3& outward, double separation) {
-        return Leader{turn * outward, separation, p - (0.5 * separation) * outward, vertex_name(vertex, mover_is_first), false, false};
+        return Leader{turn * outward, separation, p - (0.5 * separation) * outward, vertex_feature(mover, vertex, mover_is_first), false, false};
     };
     if (nearest->separation < -limits_.margin) {
         // Further in than the pairs reach: its neighbours may be too.
@@ -138,7 +139,7 @@ void LeaderFinder::add_parting(const MeshSide& first, const MeshSide& second, co
         const double height = glm::dot(outward, corners[lowest] - plane[0]);
         if (height <= best.separation) continue;
         best = {plane_is_first ? outward : -outward, height, corners[lowest] - (0.5 * height) * outward,
-                vertex_name(vertices[lowest], !plane_is_first), false, false};
+                vertex_feature(plane_is_first ? second : first, vertices[lowest], !plane_is_first), false, false};
     }
     if (is_finite(best.separation)) leaders.push_back(best);
 }
@@ -147,7 +148,7 @@ void LeaderFinder::add_way_out(const MeshSide& mover, std::uint32_t vertex, cons
     leaders.clear();
     const dvec3 p = mover.to_pair(mover.mesh().vertices()[vertex]);
     leaders.push_back({(mover_is_first ? -1.0 : 1.0) * nearest.outward, nearest.separation, 0.5 * (p + nearest.point),
-                       vertex_name(vertex, mover_is_first), false, false});
+                       vertex_feature(mover, vertex, mover_is_first), false, false});
 }
 
 void LeaderFinder::collect_crossings(const PlacedFaces& faces) {

@@ -44,7 +44,7 @@ struct FaceOfMesh {
     FaceOfMesh(const PlacedFace& face, const ContactPlane& plane) noexcept {
         for (std::size_t k = 0; k < 3; ++k) {
             const dvec3& p = face.corners[k];
-            corners[k] = {p, glm::dot(p, plane.axis_u), glm::dot(p, plane.axis_w), face.vertices[k], face.edges[k]};
+            corners[k] = {p, glm::dot(p, plane.axis_u), glm::dot(p, plane.axis_w), face.names[k], face.edges[k]};
         }
     }
 };

@@ -5,10 +5,15 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace carom::detail {
 namespace {
+
+std::uint32_t edge_name(std::uint32_t a, std::uint32_t b) noexcept {
+    return static_cast<std::uint32_t>(scrambled(std::uint64_t{std::min(a, b)} << 32 | std::max(a, b)) >> 33);
+}
 
 PlacedFace placed_face(const MeshSide& side, std::uint32_t triangle) noexcept {
     PlacedFace face;
@@ -19,9 +24,10 @@ PlacedFace placed_face(const MeshSide& side, std::uint32_t triangle) noexcept {
     const dvec3 cross = glm::cross(b - a, c - a);
     const double area = std::sqrt(glm::dot(cross, cross));
     if (area > 0.0) face.normal = cross / area;
+    for (std::size_t k = 0; k < 3; ++k) face.names[k] = vertex_name(side.mesh().vertices()[face.vertices[k]]);
     for (std::size_t k = 0; k < 3; ++k) {
         const std::size_t next = (k + 1) % 3;
-        face.edges[k] = edge_name(face.vertices[k], face.vertices[next]);
+        face.edges[k] = edge_name(face.names[k], face.names[next]);
         face.edge_boxes[k] = {glm::min(face.corners[k], face.corners[next]), glm::max(face.corners[k], face.corners[next])};
     }
     return face;
@@ -29,8 +35,9 @@ PlacedFace placed_face(const MeshSide& side, std::uint32_t triangle) noexcept {
 
 }  // namespace
 
-std::uint32_t edge_name(std::uint32_t a, std::uint32_t b) noexcept {
-    return static_cast<std::uint32_t>(scrambled(std::uint64_t{std::min(a, b)} << 32 | std::max(a, b)) >> 33);
+std::uint32_t vertex_name(const vec3& position) noexcept {
+    const auto bits = [](float x) { return std::uint64_t{std::bit_cast<std::uint32_t>(x + 0.0f)}; };  // -0 is +0
+    return static_cast<std::uint32_t>(scrambled(scrambled(bits(position.x) << 32 | bits(position.y)) + bits(position.z)) >> 33);
 }
 
 std::uint32_t PlacedFaces::number_of(Placed& placed, std::vector<PlacedFace>& faces, const MeshSide& side, std::uint32_t triangle) {

@@ -22,7 +22,8 @@ struct PlacedFace {
     std::array<Aabb, 3> edge_boxes;           ///< of the edges from each corner to the next
     dvec3 normal{0.0};                        ///< unit; zero where there is none
     TriangleMesh::Triangle vertices{};
-    std::array<std::uint32_t, 3> edges{};     ///< their names
+    std::array<std::uint32_t, 3> names{};     ///< of the vertices
+    std::array<std::uint32_t, 3> edges{};     ///< names of the edges
 };
 
 /// Whether two boxes come within `reach` of each other along every axis.
@@ -31,8 +32,9 @@ struct PlacedFace {
            b.lower.y <= a.upper.y + reach && a.lower.z <= b.upper.z + reach && b.lower.z <= a.upper.z + reach;
 }
 
-/// Name of the edge between two vertices, below 2^31.
-[[nodiscard]] std::uint32_t edge_name(std::uint32_t a, std::uint32_t b) noexcept;
+/// Name of the vertex at a position in its mesh's frame, below 2^31: one for all vertices there, as meshes often have one for each side
+/// of an edge. Two positions share a name by accident once in 2^31.
+[[nodiscard]] std::uint32_t vertex_name(const vec3& position) noexcept;
 
 /// Two faces, by their numbers among those that are placed.
 struct FacePair {

@@ -6,6 +6,7 @@
 #include <carom/collision/teapot.hpp>
 #include <carom/collision/triangle_mesh.hpp>
 
+#include <support/box_mesh.hpp>
 #include <support/grid_mesh.hpp>
 
 #include <gtest/gtest.h>
@@ -27,36 +28,6 @@ TriangleMeshPtr surface_of(const ConvexHull& hull) {
         }
     }
     return *TriangleMesh::build(hull.vertices(), triangles);
-}
-
-// A box of n x n quads on each side.
-TriangleMeshPtr box_mesh(const vec3& half, int n) {
-    std::vector<vec3> vertices;
-    std::vector<TriangleMesh::Triangle> triangles;
-    for (int face = 0; face < 6; ++face) {
-        const int axis = face % 3, u = (axis + 1) % 3, w = (axis + 2) % 3;
-        const float side = face < 3 ? 1.0f : -1.0f;
-        const auto base = static_cast<std::uint32_t>(vertices.size());
-        for (int i = 0; i <= n; ++i) {
-            for (int k = 0; k <= n; ++k) {
-                vec3 p{0.0f};
-                p[axis] = side * half[axis];
-                p[u] = half[u] * (2.0f * static_cast<float>(i) / static_cast<float>(n) - 1.0f);
-                p[w] = half[w] * (2.0f * static_cast<float>(k) / static_cast<float>(n) - 1.0f);
-                vertices.push_back(p);
-            }
-        }
-        const auto at = [&](int i, int k) { return base + static_cast<std::uint32_t>(i * (n + 1) + k); };
-        for (int i = 0; i < n; ++i) {
-            for (int k = 0; k < n; ++k) {
-                TriangleMesh::Triangle p{at(i, k), at(i + 1, k), at(i + 1, k + 1)}, q{at(i, k), at(i + 1, k + 1), at(i, k + 1)};
-                if (side < 0.0f) std::swap(p[1], p[2]), std::swap(q[1], q[2]);
-                triangles.push_back(p);
-                triangles.push_back(q);
-            }
-        }
-    }
-    return *TriangleMesh::build(vertices, triangles);
 }
 
 TriangleMeshPtr flat_ground() {
