@@ -51,7 +51,8 @@ void for_each_pair(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a, M
         for (std::size_t j = 0; j < pair.b.triangle_count; ++j) {
             for (std::uint32_t rest = pair.partners[j]; rest != 0; rest &= rest - 1) {
                 const auto i = static_cast<std::size_t>(std::countr_zero(rest));
-                if (leaves.meet(i, j) && !met(TrianglePair{pair.a.triangle[i], pair.b.triangle[j]})) return false;
+                const bool certain = (pair.certain[j] >> i & 1u) != 0;
+                if ((certain || leaves.meet(i, j)) && !met(TrianglePair{pair.a.triangle[i], pair.b.triangle[j]})) return false;
             }
         }
         return true;

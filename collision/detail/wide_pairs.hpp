@@ -7,14 +7,24 @@
 // coordinates that are worked in. Coordinates of the other mesh are mapped by three products and three sums in float; with the
 // rounding of the map itself a coordinate is wrong by 6 u (sqrt(3) X + T) at most. The margin m = 16 u (X + T) is more than that.
 //
-// Planes. Of triangles whose boxes overlap every corner of one lies within W = sqrt(3) (A + B + 4 m) of each corner of the other, A and B
-// the longest edges of boxes of triangles in the two leaves. The determinant e × f · w of edges e, f up to L = sqrt(3) B long and w up to
-// W is computed from differences that are wrong by d = 2 m + 2 u X in each component, and with rounding errors of 16 u L² W: together
-// by less than 2 d (2 W L + L²) + 6 d² (2 L + W) + 6 d³ + 16 u L² W. Only what is farther off a plane than that is parted by it.
+// Determinants. The determinant e × f · w of three differences of corners, as large as E, F, W and wrong by δ_e, δ_f, δ_w in each component, is
+// wrong by less than √3 (δ_e F W + E δ_f W + E F δ_w) + 3 (δ_e δ_f W + δ_e F δ_w + E δ_f δ_w) + 6 δ_e δ_f δ_w, and what rounding does to its
+// products and sums by less than 16 u E F W: of six products of three factors, at most 1.16 E F W together (the permanent of three unit
+// vectors is at most 2 / √3), each suffers seven roundings. Corners of b are wrong by c = 6 u (R + T) at most, R the largest sum of |row of
+// the map| |coordinate|; those of a are as given. So differences of corners of a are wrong by u times their size, of b by 2 c more, and
+// between the two by c more. Of triangles whose boxes overlap every corner of one lies within W = √3 (A + B + 4 m) of each corner of the
+// other, A and B the longest edges of boxes of triangles in the two leaves.
+//
+// Planes. The height of a corner over a plane is such a determinant, of two edges and a difference between the two. Only what is farther off
+// a plane than its bound is parted by it.
+//
+// Crossings. Two triangles each with a lone corner on one side of the other's plane, p, q, r and u, v, w turned so that p and u lie above, meet
+// if and only if the determinants (q - p) × (u - p) · (v - p) and (r - p) × (w - p) · (u - p) are not above zero (triangles_meet.cpp). Where
+// all six heights and both determinants are farther from zero than their bounds the verdict is certain.
 //
 // Reach. Asked for what is within a reach r > 0, boxes of b's tree grow by r, and a plane parts what is farther off it than r |n|, n = e × f.
-// |n| is bounded by the sum of its components' sizes, whose error is at most 12 d L + 6 d² + 12 u L²; as W > r, r times that is less than three
-// times the bound above, which is taken four times.
+// |n| is bounded by the sum of its components' sizes, whose error is at most 3 (δ_e F + E δ_f + δ_e δ_f + 4 u E F); as W > r, r times that is less
+// than three times the bound above, which is taken four times.
 #pragma once
 
 #include <carom/collision/detail/wide_bvh.hpp>
@@ -31,7 +41,7 @@ struct WidePlacement {
     float to_b[3][4];
     float margin_a;    ///< m of the header, in the frame of a, and of b
     float margin_b;
-    float largest;     ///< X, in the frame of a
+    float corner_error;  ///< c of the header
     float reach_a;     ///< r of the header, in the frame of a, rounded up
     float reach_b;
     bool too_unlike;   ///< in size, for float: visit_leaf_pairs then works in double, box by box
@@ -58,6 +68,7 @@ struct LeafPair {
     const WideLeaf& a;
     const WideLeaf& b;
     std::uint32_t partners[kWidth];
+    std::uint32_t certain[kWidth];  ///< those of the partners that meet for certain
 };
 using LeafPairVisit = FunctionRef<bool(const LeafPair&)>;
 

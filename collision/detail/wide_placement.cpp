@@ -98,7 +98,13 @@ bool place(const WideBvh& a, const WideBvh& b, const Pose& b_in_a, double reach,
         out.to_a[row][3] = static_cast<float>(shift[row]);
         out.to_b[row][3] = static_cast<float>(shift_back[row]);
     }
-    out.largest = static_cast<float>(size);
+    const dvec3 far_b = glm::max(glm::abs(dvec3{b.lower}), glm::abs(dvec3{b.upper}));
+    double widest = 0.0;
+    for (int row = 0; row < 3; ++row) {
+        const dvec3 products = ratio * glm::abs(dvec3{turn[0][row], turn[1][row], turn[2][row]}) * far_b;
+        widest = std::max(widest, products.x + products.y + products.z + std::abs(shift[row]));
+    }
+    out.corner_error = static_cast<float>(6.01 * 0x1p-24 * widest);
     out.set_reach(reach);
     out.margin_a = 0x1p-20f * static_cast<float>(size + largest(shift, shift));
     out.margin_b = 0x1p-20f * static_cast<float>(size / ratio + largest(shift_back, shift_back));
@@ -112,7 +118,7 @@ void visit_leaf_pairs_in_double(const WideBvh& a, const WideBvh& b, const WidePl
         const auto [first, second] = stack.back();
         stack.pop_back();
         if (is_leaf(first.ref) && is_leaf(second.ref)) {
-            LeafPair pair{a.leaf(first.ref), b.leaf(second.ref), {}};
+            LeafPair pair{a.leaf(first.ref), b.leaf(second.ref), {}, {}};
             std::fill_n(pair.partners, pair.b.triangle_count, (1u << pair.a.triangle_count) - 1u);
             if (!visit(pair)) return;
             continue;

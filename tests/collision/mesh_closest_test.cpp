@@ -69,7 +69,7 @@ TEST(MeshClosest, IsThatOfEveryTriangleWithEveryOther) {
     const StaticBvh first = bvh_of(ball), second = bvh_of(small);
     const std::vector<int> widths = available_simd_widths();
     int apart = 0, meet = 0;
-    for (int n = 0; n < 60; ++n) {
+    for (int n = 0; n < 30; ++n) {
         set_simd_width(widths[static_cast<std::size_t>(n) % widths.size()]);
         const Pose pose = random_pose(random, 0.6, n % 3 == 0 ? 30.0 : 2.0);
         const Brute expected = brute(ball, small, pose);
@@ -92,8 +92,8 @@ TEST(MeshClosest, IsThatOfEveryTriangleWithEveryOther) {
         }
     }
     set_simd_width(0);
-    EXPECT_GT(apart, 30);
-    EXPECT_GT(meet, 5);
+    EXPECT_GT(apart, 15);
+    EXPECT_GT(meet, 2);
 }
 
 // Two cubes face to face: every pair of the two faces' triangles that look at each other is as near, and the first is named.
