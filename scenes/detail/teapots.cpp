@@ -147,7 +147,7 @@ std::vector<Recipe> teapots_recipes() {
              .build = build_teapots},
             {.info = {.name = "teapot_meshes",
                       .summary = "teapots that collide as the meshes they are fall round and on a big one",
-                      .bodies = 200,
+                      .bodies = 60,
                       .steps = 600,
                       .parameters = {}},
              .seed = 1975,
