@@ -6,7 +6,6 @@
 #include <carom/collision/detail/wide_pairs.hpp>
 #include <carom/collision/detail/wide_traverse.hpp>
 
-#include <algorithm>
 #include <bit>
 #include <cmath>
 #include <cstddef>
@@ -79,21 +78,28 @@ HWY_INLINE unsigned overlapping(const Bounds& boxes, const Whole& other) {
     return met;
 }
 
-/// How far box j of the others reaches into those of the boxes whose bits are set, at most: the least overlap along an axis.
-HWY_INLINE float greatest_depth(const Bounds& boxes, const Bounds& others, std::size_t j, unsigned among) {
-    float greatest = 0.0f;
+/// The boxes of a that overlap box j of b in the frames of both, and how far the deepest reaches into it, at most: the least overlap along an
+/// axis in the frame of a. That is not below zero just where two boxes overlap, as the sign of a difference is not rounded.
+struct Met {
+    unsigned boxes;
+    float depth;
+};
+HWY_INLINE Met met_by(const Bounds& a, const Bounds& b_in_a, const Bounds& a_in_b, const Bounds& b, std::size_t j) {
+    Met met{0, -1.0f};
+    Floats deepest(-1.0f);
     for (int part = 0; part < kWidth; part += kLanes) {
         Floats depth(3e38f);
+        Mask all = first_lanes(kLanes);
         for (int k = 0; k < 3; ++k) {
-            depth = min(depth, min(load(boxes[1][k] + part), Floats(others[1][k][j])) - max(load(boxes[0][k] + part), Floats(others[0][k][j])));
+            depth = min(depth, min(load(a[1][k] + part), Floats(b_in_a[1][k][j])) - max(load(a[0][k] + part), Floats(b_in_a[0][k][j])));
+            all = all & (load(a_in_b[0][k] + part) <= Floats(b[1][k][j])) & (load(a_in_b[1][k] + part) >= Floats(b[0][k][j]));
         }
-        alignas(64) float lanes[kLanes];
-        store(depth, lanes);
-        for (unsigned rest = (among >> part) & ((1u << kLanes) - 1u); rest != 0; rest &= rest - 1) {
-            greatest = std::max(greatest, lanes[std::countr_zero(rest)]);
-        }
+        all = all & (depth >= Floats(0.0f));
+        met.boxes |= bits(all) << part;
+        deepest = max(deepest, select(all, depth, Floats(-1.0f)));
     }
-    return greatest;
+    if (met.boxes != 0) met.depth = greatest_lane(deepest);
+    return met;
 }
 
 /// Triangles of a leaf with what tells others apart from them, the planes only where they are wanted.
@@ -299,7 +305,11 @@ HWY_INLINE Side side_of(const WideBvh& tree, const WideRef& ref, Bounds& own) {
         return {&own, &ref, 1};
     }
     const WideNode& node = tree.node(ref);
-    return {&node.bound, node.child, static_cast<std::size_t>(child_count(node))};
+    unsigned children = 0;
+    for (int part = 0; part < kWidth; part += kLanes) {
+        children |= bits(load(node.bound[0][0] + part) <= load(node.bound[1][0] + part)) << part;
+    }
+    return {&node.bound, node.child, static_cast<std::size_t>(std::popcount(children))};
 }
 
 void descend(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, LeafPairVisit visit) {
@@ -335,14 +345,12 @@ void descend(const WideBvh& a, const WideBvh& b, const WidePlacement& placement,
         const unsigned there = (1u << second.count) - 1u;
         for (unsigned near = overlapping(b_in_a, whole_of(*first.bound)) & there; near != 0; near &= near - 1) {
             const auto j = static_cast<std::size_t>(std::countr_zero(near));
-            unsigned met = overlapping(*first.bound, b_in_a, j) & overlapping(a_in_b, *second.bound, j);
-            if (met == 0) continue;
-            const float here_depth = greatest_depth(*first.bound, b_in_a, j, met);
-            if (here_depth > depth) {
-                depth = here_depth;
+            const Met met = met_by(*first.bound, b_in_a, a_in_b, *second.bound, j);
+            if (met.depth > depth) {
+                depth = met.depth;
                 deepest = stack.size();
             }
-            for (; met != 0; met &= met - 1) stack.push_back({first.child[std::countr_zero(met)], second.child[j]});
+            for (unsigned i = met.boxes; i != 0; i &= i - 1) stack.push_back({first.child[std::countr_zero(i)], second.child[j]});
         }
         if (depth >= 0.0f) std::swap(stack[deepest], stack.back());
     }

@@ -79,6 +79,44 @@ TEST(MeshMesh, BoxMeshesStack) {
     }
 }
 
+struct Part {
+    TriangleMeshPtr mesh;
+    vec3 at{0.0f};
+};
+TriangleMeshPtr joined(const std::vector<Part>& parts) {
+    std::vector<vec3> vertices;
+    std::vector<TriangleMesh::Triangle> triangles;
+    for (const Part& part : parts) {
+        const auto base = static_cast<std::uint32_t>(vertices.size());
+        for (const vec3& v : part.mesh->vertices()) vertices.push_back(v + part.at);
+        for (const auto& t : part.mesh->triangles()) triangles.push_back({t[0] + base, t[1] + base, t[2] + base});
+    }
+    return *TriangleMesh::build(vertices, triangles);
+}
+
+// Far sides of thin plates are within the margin of each other, and look at each other from behind.
+TEST(MeshMesh, ThinPlatesTouchOnTheirNearSides) {
+    const TriangleMeshPtr sheet = box_mesh({0.5f, 0.003f, 0.5f}, 2);
+    std::vector<Manifold> m = collide_all(Shape{sheet}, {{0, 0.0055, 0}}, Shape{sheet}, {}, 0.02f);
+    ASSERT_EQ(m.size(), 1u);
+    EXPECT_NEAR(m[0].normal.y, -1.0f, 1e-6f);
+    for (const ContactPoint& p : m[0].used()) EXPECT_NEAR(p.separation, -0.0005f, 1e-6f);
+    // In a slot between two sheets, on the lower one.
+    m = collide_all(Shape{sheet}, {{0, 0.0055, 0}}, Shape{joined({{sheet}, {sheet, {0.0f, 0.015f, 0.0f}}})}, {}, 0.02f);
+    ASSERT_EQ(m.size(), 2u);
+    EXPECT_NEAR(m[0].normal.y, -1.0f, 1e-6f);
+    for (const ContactPoint& p : m[0].used()) EXPECT_NEAR(p.separation, -0.0005f, 1e-6f);
+    EXPECT_NEAR(m[1].normal.y, 1.0f, 1e-6f);
+    for (const ContactPoint& p : m[1].used()) EXPECT_NEAR(p.separation, 0.0035f, 1e-6f);
+    // Sheets that hover over each other, beside blocks that overlap.
+    const TriangleMeshPtr block = box_mesh({0.1f, 0.1f, 0.1f}, 1);
+    m = collide_all(Shape{joined({{sheet}, {block, {2.0f, 0.0f, 0.0f}}})}, {{0.05, 0.008, 0.03}},
+                    Shape{joined({{sheet}, {block, {2.0f, -0.19f, 0.0f}}})}, {}, 0.02f);
+    ASSERT_EQ(m.size(), 1u);
+    EXPECT_NEAR(m[0].normal.y, -1.0f, 1e-6f);
+    EXPECT_NEAR(least_separation(m[0]), -0.002f, 1e-6f);
+}
+
 TEST(MeshMesh, ACornerOfARoomPushesOnBothWalls) {
     // A room of one box, wound inwards.
     const TriangleMeshPtr outside = box_mesh({2.0f, 2.0f, 2.0f}, 4);
@@ -99,7 +137,7 @@ TEST(MeshMesh, ACornerOfARoomPushesOnBothWalls) {
 TEST(MeshMesh, SurfacesOfHullsAreAsFarAsTheHulls) {
     Random r(4);
     int near = 0, shallow = 0, agree = 0;
-    for (int i = 0; i < 4000; ++i) {
+    for (int i = 0; i < 2500; ++i) {
         const ConvexHullPtr p = random_hull(r, 16, 0.4, 0.8), q = random_hull(r, 24, 0.3, 0.6);
         const Shape solid_p = p, solid_q = q, surface_p = surface_of(*p), surface_q = surface_of(*q);
         const Pose pose{random_direction(r) * r.range(0.5, 1.4), random_rotation(r)};
@@ -127,7 +165,7 @@ TEST(MeshMesh, SurfacesOfHullsAreAsFarAsTheHulls) {
         }
     }
     EXPECT_GT(near, 100);
-    EXPECT_GT(shallow, 100);
+    EXPECT_GT(shallow, 60);
     EXPECT_GT(agree, shallow * 8 / 10) << shallow;
 }
 
