@@ -24,7 +24,7 @@ demo: setup
 	@cmake --preset release $(CONFIGURE)
 	@cmake --build --preset release --target carom -j $(JOBS)
 	@mkdir -p out/demo
-	@tools/with_display.sh build/release/bin/carom run teapots --json out/demo/report.json $(PICTURES)
+	@tools/with_display.sh build/release/bin/carom run teapot_meshes --json out/demo/report.json $(PICTURES)
 
 test: setup
 	@cmake --preset release $(CONFIGURE)

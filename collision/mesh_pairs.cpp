@@ -1,8 +1,9 @@
 #include <carom/collision/detail/triangles_meet.hpp>
 #include <carom/collision/detail/wide_pairs.hpp>
 #include <carom/collision/mesh_pairs.hpp>
+#include <carom/core/check.hpp>
+#include <carom/core/radix_sort.hpp>
 
-#include <algorithm>
 #include <array>
 #include <bit>
 
@@ -44,17 +45,32 @@ private:
 template <class Met>
 void for_each_pair(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a, Met met) {
     WidePlacement placement;
-    if (!place(a.wide(), b.wide(), b_in_a, placement)) return;
+    if (!place(a.wide(), b.wide(), b_in_a, 0.0, placement)) return;
     visit_leaf_pairs(a.wide(), b.wide(), placement, [&](const LeafPair& pair) {
         PlacedLeaves leaves(pair, placement);
         for (std::size_t j = 0; j < pair.b.triangle_count; ++j) {
             for (std::uint32_t rest = pair.partners[j]; rest != 0; rest &= rest - 1) {
                 const auto i = static_cast<std::size_t>(std::countr_zero(rest));
-                if (leaves.meet(i, j) && !met(TrianglePair{pair.a.triangle[i], pair.b.triangle[j]})) return false;
+                const bool certain = (pair.certain[j] >> i & 1u) != 0;
+                if ((certain || leaves.meet(i, j)) && !met(TrianglePair{pair.a.triangle[i], pair.b.triangle[j]})) return false;
             }
         }
         return true;
     });
+}
+
+/// Sorts without allocating once the calling thread's buffers have grown.
+void sort_pairs(std::vector<TrianglePair>& pairs) {
+    thread_local RadixScratch scratch;
+    thread_local std::vector<std::uint64_t> keys;
+    thread_local std::vector<std::uint32_t> payload;
+    keys.clear();
+    for (const TrianglePair& pair : pairs) keys.push_back(std::uint64_t{pair.a} << 32 | pair.b);
+    payload.resize(keys.size());
+    radix_sort(keys, payload, scratch);
+    for (std::size_t k = 0; k < keys.size(); ++k) {
+        pairs[k] = {static_cast<std::uint32_t>(keys[k] >> 32), static_cast<std::uint32_t>(keys[k])};
+    }
 }
 
 }  // namespace
@@ -76,7 +92,23 @@ void overlapping_pairs(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_
         pairs.push_back(pair);
         return true;
     });
-    std::stable_sort(pairs.begin(), pairs.end());
+    sort_pairs(pairs);
+}
+
+void near_pairs(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a, double reach, std::vector<TrianglePair>& pairs) {
+    CAROM_REQUIRE(is_finite(reach) && reach >= 0.0, ErrorCode::InvalidArgument, "near_pairs: the reach must be finite and not negative");
+    pairs.clear();
+    WidePlacement placement;
+    if (!place(a.wide(), b.wide(), b_in_a, reach, placement)) return;
+    visit_leaf_pairs(a.wide(), b.wide(), placement, [&](const LeafPair& pair) {
+        for (std::size_t j = 0; j < pair.b.triangle_count; ++j) {
+            for (std::uint32_t rest = pair.partners[j]; rest != 0; rest &= rest - 1) {
+                pairs.push_back({pair.a.triangle[std::countr_zero(rest)], pair.b.triangle[j]});
+            }
+        }
+        return true;
+    });
+    sort_pairs(pairs);
 }
 
 }  // namespace carom

@@ -29,7 +29,7 @@ inline constexpr std::size_t kTeapotPatchCount = 32;
 ///
 /// The classic teapot is no closed solid. Open edges are the inner ring of the rim (the lid, 0.1 units narrower, does not touch
 /// it), the outer ring of the lid, both ends of the handle, the root of the spout inside the body, and the mouth of the spout;
-/// handle and spout pass through the body without sharing edges with it. For a dynamic body take its convex hull.
+/// handle and spout pass through the body without sharing edges with it. A dynamic body of it has the mass of its hull.
 ///
 /// @param size         the extent in x from handle to spout [m], > 0 and finite.
 /// @param chord_error  as of tessellate [m].

@@ -55,7 +55,9 @@ Result<TriangleMeshPtr> TriangleMesh::build(std::span<const vec3> vertices, std:
     for (const Triangle& t : triangles) {
         mesh->degenerate_count_ += degenerate(vertices[t[0]], vertices[t[1]], vertices[t[2]]) ? 1u : 0u;
     }
-    mesh->closed_ = is_closed_surface(vertices, triangles);
+    const SurfaceKind kind = surface_kind(vertices, triangles);
+    mesh->closed_ = kind == SurfaceKind::Closed;
+    mesh->oriented_ = kind != SurfaceKind::Loose;
     return TriangleMeshPtr(std::move(mesh));
 }
 

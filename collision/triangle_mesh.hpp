@@ -42,6 +42,8 @@ public:
     /// @return true if every edge is shared by exactly two triangles that run along it in opposite directions (vertices
     /// compared by exact position), so that the mesh bounds a volume.
     [[nodiscard]] bool is_closed() const noexcept { return closed_; }
+    /// @return true if no edge is run along twice in one direction: neighbours are wound alike, and at most two meet in an edge.
+    [[nodiscard]] bool is_oriented() const noexcept { return oriented_; }
     /// @return how many triangles have zero area.
     [[nodiscard]] std::size_t degenerate_count() const noexcept { return degenerate_count_; }
     /// @return the box of the vertices.
@@ -64,6 +66,7 @@ private:
     Aabb bounds_;
     std::size_t degenerate_count_ = 0;
     bool closed_ = false;
+    bool oriented_ = true;
 };
 
 }  // namespace carom

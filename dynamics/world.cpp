@@ -135,9 +135,7 @@ ShapeId World::add_shape(BodyId body, Shape shape, const ShapeDef& def) {
     CAROM_REQUIRE(!is_bounded(shape) || reach_of(shape, def.local) <= kFarthest, ErrorCode::InvalidArgument,
                   "the shape reaches farther than 1e30 m from its body", {});
     if (record->type == BodyType::Dynamic) {
-        const ShapeType type = type_of(shape);
-        CAROM_REQUIRE(type != ShapeType::Plane && type != ShapeType::TriangleMesh, ErrorCode::WrongType,
-                      "planes and triangle meshes only on static and kinematic bodies", {});
+        CAROM_REQUIRE(is_bounded(shape), ErrorCode::WrongType, "planes only on static and kinematic bodies", {});
     }
     ShapeDef kept = def;
     kept.local.orientation = glm::normalize(def.local.orientation);
@@ -216,8 +214,9 @@ void World::Impl::put_proxy(ShapeId id) {
     proxy.shape = s.shape;
     proxy.local = inverse(arrays.masses[slot].principal) * s.def.local;
     proxy.reach = reach_of(s.shape, proxy.local);
-    // A mesh is a surface: the box round it says nothing of how far ahead contacts with it are wanted.
-    proxy.extent = type_of(s.shape) == ShapeType::TriangleMesh ? std::numeric_limits<double>::infinity() : smallest_extent(s.shape);
+    // A mesh that others come to is a surface: the box round it says nothing of how far ahead contacts with it are wanted.
+    const bool surface = type_of(s.shape) == ShapeType::TriangleMesh && arrays.roles[slot] != Role::Dynamic;
+    proxy.extent = surface ? std::numeric_limits<double>::infinity() : smallest_extent(s.shape);
     proxy.friction = s.def.friction;
     proxy.restitution = s.def.restitution;
     dynamics::put_proxy(proxies, std::move(proxy), ProxyFilter{s.def.layer, s.def.mask, arrays.roles[slot] == Role::Dynamic});

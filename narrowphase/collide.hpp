@@ -17,8 +17,7 @@
 
 namespace carom {
 
-/// One pair of placed shapes. The pointers must outlive the call. At most one of the two is a mesh or a plane; a compound goes with
-/// everything.
+/// One pair of placed shapes. The pointers must outlive the call. At most one of the two is a plane.
 struct ShapePair {
     const Shape* a = nullptr;
     const Shape* b = nullptr;
@@ -35,7 +34,7 @@ struct PlacedShapes {
 
 inline constexpr std::uint32_t kNewPair = std::numeric_limits<std::uint32_t>::max();
 
-/// A pair of them. At most one of the two is a mesh or a plane.
+/// A pair of them. At most one of the two is a plane.
 struct NumberedPair {
     std::uint32_t a = 0, b = 0;
     float margin = 0.0f;            ///< as in ShapePair
@@ -46,12 +45,12 @@ struct NumberedPair {
 /// How a pair was decided; anything but Ok is counted in StepReport.
 enum class CollideStatus : unsigned char {
     Ok,         ///< decided within the documented bound
-    Undecided,  ///< an iteration stopped at its cap: contact is reported and its depth is true along its normal, but another direction
-                ///< may be shallower
+    Undecided,  ///< an iteration stopped at its cap, or one mesh is inside of another: contact is reported and its depth is true along its
+                ///< normal, but another direction may be shallower
 };
 
-/// @return whether the table has a kernel for the two types in this or the other order. It has one for every two types of which at
-/// most one is Plane or TriangleMesh.
+/// @return whether the table has a kernel for the two types in this or the other order. It has one for every two types but Plane and
+/// Plane.
 [[nodiscard]] bool can_collide(ShapeType a, ShapeType b) noexcept;
 
 /// Appends the manifolds of one pair to `out`, with `pair` = `index`. No manifold means: farther apart than the margin.
@@ -61,7 +60,9 @@ enum class CollideStatus : unsigned char {
 /// they are apart, their distance, except that two boxes give the greatest separation over their axes, a lower bound that is the
 /// distance unless corners face each other. A body on a flat or nearly flat stretch of a mesh has one manifold; a mesh has two
 /// sides, and pushes to the one on which the shape's centre lies. Flat ends of cylinders and cones give up to four points of their rim or
-/// of what they lie on, sides a line of two; where a side or rim touches smoothly, the normal is found to about 5e-6.
+/// of what they lie on, sides a line of two; where a side or rim touches smoothly, the normal is found to about 5e-6. Two meshes push to their fronts, and
+/// have a manifold for each patch; where they are apart by more than 1/64 of the smaller one, only what is about as near as the nearest
+/// points is reported (docs/narrowphase.md).
 /// Accuracy: 1e-6 of the larger shape's size (2e-6 for the depth of two boxes), of a mesh the convex shape's, and of a box much larger
 /// than the other the other's. Computed in
 /// double in the frame of one of the two, two boxes in float in the frame of A (sixteen pairs at a time), so the distance from the

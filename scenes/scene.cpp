@@ -17,7 +17,7 @@ using detail::Request;
 /// The one table of scenes.
 const std::vector<Recipe>& recipes() {
     static const std::vector<Recipe> table = [] {
-        std::vector<Recipe> all{detail::teapots_recipe()};
+        std::vector<Recipe> all = detail::teapots_recipes();
         const auto append = [&](std::vector<Recipe> family) {
             for (Recipe& recipe : family) all.push_back(std::move(recipe));
         };

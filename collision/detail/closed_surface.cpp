@@ -70,26 +70,27 @@ std::vector<std::uint32_t> number_positions(std::span<const vec3> vertices) {
 }
 
 // Each vertex keeps its edges to higher ones: twice the other end, and one more where the edge comes down from there. A closed surface
-// has them in pairs.
-bool is_closed_surface(std::span<const vec3> vertices, std::span<const Triangle> triangles) {
+// has them in pairs, and an oriented one none of them twice.
+SurfaceKind surface_kind(std::span<const vec3> vertices, std::span<const Triangle> triangles) {
     const std::vector<std::uint32_t> position = number_positions(vertices);
     std::vector<std::size_t> ends(vertices.size() + 1, 0);  // where the edges of a vertex begin, then where they end
     for_each_edge(triangles, position, [&](std::uint32_t a, std::uint32_t b) { ++ends[std::min(a, b) + 1]; });
     std::partial_sum(ends.begin(), ends.end(), ends.begin());
     std::vector<std::uint64_t> edges(ends.back());
-    if (edges.empty() || edges.size() % 2 != 0) return false;
+    bool closed = !edges.empty();
     for_each_edge(triangles, position, [&](std::uint32_t a, std::uint32_t b) {
         edges[ends[std::min(a, b)]++] = std::uint64_t{std::max(a, b)} << 1 | (a > b ? 1u : 0u);
     });
     for (std::size_t v = 0, begin = 0; v < vertices.size(); begin = ends[v++]) {
         const std::span<std::uint64_t> own = std::span(edges).subspan(begin, ends[v] - begin);
         sort_few(own);
-        if (own.size() % 2 != 0) return false;
-        for (std::size_t k = 0; k < own.size(); k += 2) {
-            if (own[k] % 2 != 0 || own[k + 1] != own[k] + 1) return false;  // a second edge of the kind stands here
+        closed = closed && own.size() % 2 == 0;
+        for (std::size_t k = 0; k + 1 < own.size(); ++k) {
+            if (own[k + 1] == own[k]) return SurfaceKind::Loose;
+            closed = closed && (k % 2 != 0 || (own[k] % 2 == 0 && own[k + 1] == own[k] + 1));
         }
     }
-    return true;
+    return closed ? SurfaceKind::Closed : SurfaceKind::Oriented;
 }
 
 }  // namespace carom

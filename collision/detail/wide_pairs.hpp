@@ -7,10 +7,24 @@
 // coordinates that are worked in. Coordinates of the other mesh are mapped by three products and three sums in float; with the
 // rounding of the map itself a coordinate is wrong by 6 u (sqrt(3) X + T) at most. The margin m = 16 u (X + T) is more than that.
 //
-// Planes. Of triangles whose boxes overlap every corner of one lies within W = sqrt(3) (A + B + 4 m) of each corner of the other, A and B
-// the longest edges of boxes of triangles in the two leaves. The determinant e × f · w of edges e, f up to L = sqrt(3) B long and w up to
-// W is computed from differences that are wrong by d = 2 m + 2 u X in each component, and with rounding errors of 16 u L² W: together
-// by less than 2 d (2 W L + L²) + 6 d² (2 L + W) + 6 d³ + 16 u L² W. Only what is farther off a plane than that is parted by it.
+// Determinants. The determinant e × f · w of three differences of corners, as large as E, F, W and wrong by δ_e, δ_f, δ_w in each component, is
+// wrong by less than √3 (δ_e F W + E δ_f W + E F δ_w) + 3 (δ_e δ_f W + δ_e F δ_w + E δ_f δ_w) + 6 δ_e δ_f δ_w, and what rounding does to its
+// products and sums by less than 16 u E F W: of six products of three factors, at most 1.16 E F W together (the permanent of three unit
+// vectors is at most 2 / √3), each suffers seven roundings. Corners of b are wrong by c = 6 u (R + T) at most, R the largest sum of |row of
+// the map| |coordinate|; those of a are as given. So differences of corners of a are wrong by u times their size, of b by 2 c more, and
+// between the two by c more. Of triangles whose boxes overlap every corner of one lies within W = √3 (A + B + 4 m) of each corner of the
+// other, A and B the longest edges of boxes of triangles in the two leaves.
+//
+// Planes. The height of a corner over a plane is such a determinant, of two edges and a difference between the two. Only what is farther off
+// a plane than its bound is parted by it.
+//
+// Crossings. Two triangles each with a lone corner on one side of the other's plane, p, q, r and u, v, w turned so that p and u lie above, meet
+// if and only if the determinants (q - p) × (u - p) · (v - p) and (r - p) × (w - p) · (u - p) are not above zero (triangles_meet.cpp). Where
+// all six heights and both determinants are farther from zero than their bounds the verdict is certain.
+//
+// Reach. Asked for what is within a reach r > 0, boxes of b's tree grow by r, and a plane parts what is farther off it than r |n|, n = e × f.
+// |n| is bounded by the sum of its components' sizes, whose error is at most 3 (δ_e F + E δ_f + δ_e δ_f + 4 u E F); as W > r, r times that is less
+// than three times the bound above, which is taken four times.
 #pragma once
 
 #include <carom/collision/detail/wide_bvh.hpp>
@@ -27,29 +41,39 @@ struct WidePlacement {
     float to_b[3][4];
     float margin_a;    ///< m of the header, in the frame of a, and of b
     float margin_b;
-    float largest;     ///< X, in the frame of a
+    float corner_error;  ///< c of the header
+    float reach_a;     ///< r of the header, in the frame of a, rounded up
+    float reach_b;
     bool too_unlike;   ///< in size, for float: visit_leaf_pairs then works in double, box by box
+    double reach;      ///< [m]
     double metres;     ///< of a unit of b's tree
     double units;      ///< of a's tree, of a metre
     Pose pose;
+
+    /// Sets the reach [m]; finite, >= 0. A visit may lower it: what is descended to afterwards is judged by the new one.
+    void set_reach(double metres_away) noexcept;
 
     /// @return the place of a corner of b's tree in a's tree coordinates: transform_point(pose, corner), but zero for what is below
     /// 2^-300.
     [[nodiscard]] dvec3 place(float x, float y, float z) const noexcept;
 };
 
-/// @return false where the two cannot meet, and where the pose is not finite.
-[[nodiscard]] bool place(const WideBvh& a, const WideBvh& b, const Pose& b_in_a, WidePlacement& out) noexcept;
+/// @param reach  [m]; finite, >= 0.
+/// @return false where no points of the two are within `reach` of each other, and where the pose is not finite.
+[[nodiscard]] bool place(const WideBvh& a, const WideBvh& b, const Pose& b_in_a, double reach, WidePlacement& out) noexcept;
 
-/// Triangles of two leaves that neither their boxes nor their planes part: of triangle j of leaf b those of `partners[j]` of leaf a.
+/// Triangles of two leaves that neither their boxes nor their planes keep farther apart than the reach: of triangle j of leaf b those of
+/// `partners[j]` of leaf a.
 struct LeafPair {
     const WideLeaf& a;
     const WideLeaf& b;
     std::uint32_t partners[kWidth];
+    std::uint32_t certain[kWidth];  ///< those of the partners that meet for certain
 };
 using LeafPairVisit = FunctionRef<bool(const LeafPair&)>;
 
-/// Calls `visit` for every pair of leaves with a pair of triangles that may meet, until it returns false.
+/// Calls `visit` for every pair of leaves with a pair of triangles that may be within the reach, until it returns false. Allocates only
+/// while a buffer of the calling thread grows.
 void visit_leaf_pairs(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, LeafPairVisit visit);
 
 /// The same box by box in double, leaving only boxes to part what does not meet: for sizes that float cannot hold together, and to

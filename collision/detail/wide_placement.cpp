@@ -22,7 +22,7 @@ bool overlap(const DoubleBox& a, const DoubleBox& b) noexcept {
     return glm::all(glm::lessThanEqual(a.lower, b.upper)) && glm::all(glm::lessThanEqual(b.lower, a.upper));
 }
 
-/// Around a box of b's tree at its place, grown by a share of its size.
+/// Around a box of b's tree at its place, grown by the reach and a share of its size.
 DoubleBox placed(const DoubleBox& box, const WidePlacement& placement) noexcept {
     DoubleBox out{dvec3{1e308}, dvec3{-1e308}};
     for (int corner = 0; corner < 8; ++corner) {
@@ -33,7 +33,7 @@ DoubleBox placed(const DoubleBox& box, const WidePlacement& placement) noexcept 
         out.upper = glm::max(out.upper, q);
     }
     const dvec3 size = glm::max(glm::abs(out.lower), glm::abs(out.upper)) + glm::abs(placement.pose.position) * placement.units;
-    const dvec3 margin = dvec3{0x1p-46 * std::max({size.x, size.y, size.z})};
+    const dvec3 margin = dvec3{0x1p-46 * std::max({size.x, size.y, size.z}) + placement.reach * placement.units};
     return {out.lower - margin, out.upper + margin};
 }
 
@@ -62,9 +62,16 @@ dvec3 WidePlacement::place(float x, float y, float z) const noexcept {
     return p;
 }
 
-bool place(const WideBvh& a, const WideBvh& b, const Pose& b_in_a, WidePlacement& out) noexcept {
+void WidePlacement::set_reach(double metres_away) noexcept {
+    reach = metres_away;
+    reach_a = static_cast<float>(units * reach * (1.0 + 0x1p-22));
+    reach_b = static_cast<float>(reach / metres * (1.0 + 0x1p-22));
+}
+
+bool place(const WideBvh& a, const WideBvh& b, const Pose& b_in_a, double reach, WidePlacement& out) noexcept {
     if (!is_finite(b_in_a)) return false;
     out.pose = b_in_a;
+    out.reach = reach;
     out.units = static_cast<double>(a.scale);
     out.metres = 1.0 / static_cast<double>(b.scale);
     const DoubleBox whole_a{dvec3{a.lower}, dvec3{a.upper}};
@@ -80,7 +87,7 @@ bool place(const WideBvh& a, const WideBvh& b, const Pose& b_in_a, WidePlacement
         return std::max({size.x, size.y, size.z});
     };
     const double of_a = largest(dvec3{a.lower}, dvec3{a.upper}), of_b = ratio * largest(dvec3{b.lower}, dvec3{b.upper});
-    const double size = std::max(of_a, of_b);
+    const double size = std::max({of_a, of_b, out.units * reach});
     out.too_unlike = !(of_a > 0x1p-40 * size && of_b > 0x1p-40 * size && size < 0x1p30 && size > 0x1p-30);
     if (out.too_unlike) return true;
     for (int row = 0; row < 3; ++row) {
@@ -91,7 +98,14 @@ bool place(const WideBvh& a, const WideBvh& b, const Pose& b_in_a, WidePlacement
         out.to_a[row][3] = static_cast<float>(shift[row]);
         out.to_b[row][3] = static_cast<float>(shift_back[row]);
     }
-    out.largest = static_cast<float>(size);
+    const dvec3 far_b = glm::max(glm::abs(dvec3{b.lower}), glm::abs(dvec3{b.upper}));
+    double widest = 0.0;
+    for (int row = 0; row < 3; ++row) {
+        const dvec3 products = ratio * glm::abs(dvec3{turn[0][row], turn[1][row], turn[2][row]}) * far_b;
+        widest = std::max(widest, products.x + products.y + products.z + std::abs(shift[row]));
+    }
+    out.corner_error = static_cast<float>(6.01 * 0x1p-24 * widest);
+    out.set_reach(reach);
     out.margin_a = 0x1p-20f * static_cast<float>(size + largest(shift, shift));
     out.margin_b = 0x1p-20f * static_cast<float>(size / ratio + largest(shift_back, shift_back));
     return true;
@@ -104,7 +118,7 @@ void visit_leaf_pairs_in_double(const WideBvh& a, const WideBvh& b, const WidePl
         const auto [first, second] = stack.back();
         stack.pop_back();
         if (is_leaf(first.ref) && is_leaf(second.ref)) {
-            LeafPair pair{a.leaf(first.ref), b.leaf(second.ref), {}};
+            LeafPair pair{a.leaf(first.ref), b.leaf(second.ref), {}, {}};
             std::fill_n(pair.partners, pair.b.triangle_count, (1u << pair.a.triangle_count) - 1u);
             if (!visit(pair)) return;
             continue;

@@ -1,4 +1,4 @@
-// Which kernel serves which pair of types. Every pair of which at most one is a plane or a mesh has one.
+// Which kernel serves which pair of types. Every pair but two planes has one.
 #include <carom/narrowphase/detail/kernels.hpp>
 
 namespace carom {
@@ -31,6 +31,8 @@ constexpr Row kRows[] = {
     {ShapeType::Box, ShapeType::TriangleMesh, box_mesh},
     {ShapeType::Capsule, ShapeType::TriangleMesh, capsule_mesh},
     {ShapeType::ConvexHull, ShapeType::TriangleMesh, hull_mesh},
+    {ShapeType::TriangleMesh, ShapeType::TriangleMesh, mesh_mesh},
+    {ShapeType::TriangleMesh, ShapeType::Plane, mesh_plane},
     {ShapeType::Cylinder, ShapeType::Sphere, turned_sphere},
     {ShapeType::Cylinder, ShapeType::Box, turned_box},
     {ShapeType::Cylinder, ShapeType::Capsule, turned_capsule},

@@ -24,6 +24,9 @@ CollideStatus box_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink
 CollideStatus capsule_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 CollideStatus hull_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 
+CollideStatus mesh_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+CollideStatus mesh_plane(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+
 /// Two boxes as polytopes in double: where they are not many, as parts of compounds are not.
 CollideStatus box_box_alone(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 

@@ -1,5 +1,6 @@
-// Box and hull against a half-space: the corners below it.
+// Box, hull and mesh against a half-space: the corners below it.
 #include <carom/collision/convex_hull.hpp>
+#include <carom/collision/triangle_mesh.hpp>
 #include <carom/core/math.hpp>
 #include <carom/narrowphase/detail/kernels.hpp>
 #include <carom/narrowphase/detail/plane_form.hpp>
@@ -53,8 +54,9 @@ CollideStatus box_plane(const PairFrame& pair, Workspace&, ManifoldSink& sink) {
     return CollideStatus::Ok;
 }
 
-CollideStatus hull_plane(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
-    const auto vertices = as<ConvexHullPtr>(pair.first)->vertices();
+namespace {
+
+CollideStatus vertices_plane(std::span<const vec3> vertices, const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
     const PlaneFrame plane{plane_in_first(pair)};
     std::vector<Candidate>& candidates = workspace.polygons.candidates;
     candidates.clear();
@@ -66,6 +68,17 @@ CollideStatus hull_plane(const PairFrame& pair, Workspace& workspace, ManifoldSi
     }
     emit(candidates, size, plane, sink);
     return CollideStatus::Ok;
+}
+
+}  // namespace
+
+CollideStatus hull_plane(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
+    return vertices_plane(as<ConvexHullPtr>(pair.first)->vertices(), pair, workspace, sink);
+}
+
+// Vertices that no triangle has count too.
+CollideStatus mesh_plane(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
+    return vertices_plane(as<TriangleMeshPtr>(pair.first)->vertices(), pair, workspace, sink);
 }
 
 }  // namespace carom::detail

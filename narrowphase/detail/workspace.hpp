@@ -1,6 +1,7 @@
 // Buffers of the kernels, one set a thread, that grow once and are reused.
 #pragma once
 
+#include <carom/narrowphase/detail/mesh_leaders.hpp>
 #include <carom/narrowphase/detail/mesh_surface.hpp>
 #include <carom/narrowphase/detail/polygon_contact.hpp>
 #include <carom/narrowphase/detail/polytope_axis.hpp>
@@ -13,6 +14,7 @@ struct Workspace {
     Polytope first, second;
     PolygonScratch polygons;
     MeshSurface surface;
+    MeshContact meshes;
 };
 
 /// @return the calling thread's buffers.

@@ -183,10 +183,7 @@ void check_fit(const Node& node, const FileShape& read, BodyType body) {
     const Status valid = validate(read.shape);
     if (!valid) fail_at(node, valid.error().code, valid.error().message);
     if (body != BodyType::Dynamic) return;
-    const ShapeType type = type_of(read.shape);
-    if (type == ShapeType::Plane || type == ShapeType::TriangleMesh) {
-        fail_at(node, ErrorCode::WrongType, fmt::format("a {} fits static and kinematic bodies only", to_string(type)));
-    }
+    if (!is_bounded(read.shape)) fail_at(node, ErrorCode::WrongType, "a plane fits static and kinematic bodies only");
     const MassProperties mass = value_or_fail(node, mass_properties(read.shape, read.def.density));
     const Status massive = validate(transform(mass, read.def.local));
     if (!massive) fail_at(node, massive.error().code, massive.error().message);

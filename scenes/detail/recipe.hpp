@@ -41,7 +41,7 @@ struct Recipe {
 [[nodiscard]] std::vector<Recipe> pile_recipes();   // pile_boxes, pile_mixed
 [[nodiscard]] Recipe mesh_bowl_recipe();
 [[nodiscard]] std::vector<Recipe> free_recipes();  // wall_fast, single_body_spin
-[[nodiscard]] Recipe teapots_recipe();
+[[nodiscard]] std::vector<Recipe> teapots_recipes();  // teapots, teapot_meshes
 [[nodiscard]] Recipe fountain_recipe();
 [[nodiscard]] Recipe dominoes_recipe();
 

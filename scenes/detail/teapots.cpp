@@ -1,4 +1,5 @@
-// The demo: teapot hulls, boxes, spheres and capsules fall round a big teapot on hilly ground with a rim.
+// The demo: teapots, boxes, spheres and capsules fall round a big teapot on hilly ground with a rim; teapots as hulls, or as the meshes they
+// are.
 #include <carom/scenes/detail/recipe.hpp>
 
 #include <carom/collision/convex_hull.hpp>
@@ -16,6 +17,7 @@ namespace {
 
 constexpr double kBigTeapot = 6.0;  // from handle to spout [m]
 constexpr double kSmallTeapot = 0.9;
+constexpr double kSmallChord = 0.02 * kSmallTeapot;  // of its mesh
 constexpr double kPitch = 1.3;       // between neighbours and between layers [m]
 constexpr int kAcross = 12;          // bodies along each side of a layer
 constexpr double kFirstLayer = 6.0;  // [m]; the teapot's lid is below 5 m
@@ -33,9 +35,19 @@ double seat_height(const MeshData& ground) {
     return lowest;
 }
 
+/// A small teapot as it is: open at its seams, so that its mass is that of its hull.
+Result<Shape> small_teapot_mesh() {
+    Result<MeshData> pot = teapot(kSmallTeapot, kSmallChord);
+    if (!pot) return pot.error();
+    for (vec3& v : pot->vertices) v.y -= 0.25f * static_cast<float>(kSmallTeapot);  // about its middle
+    Result<TriangleMeshPtr> mesh = TriangleMesh::build(pot->vertices, pot->triangles);
+    if (!mesh) return mesh.error();
+    return Shape{std::move(mesh).value()};
+}
+
 /// The hull of those points of a small teapot that are farthest in each of 48 directions (a Fibonacci lattice on the
 /// sphere): the hull of all of them has four times as many corners, which nobody sees.
-Result<ConvexHullPtr> small_teapot() {
+Result<Shape> small_teapot_hull() {
     const Result<MeshData> pot = teapot(kSmallTeapot, 0.04 * kSmallTeapot);
     if (!pot) return pot.error();
     constexpr int kDirections = 48;
@@ -51,7 +63,9 @@ Result<ConvexHullPtr> small_teapot() {
         farthest.y -= 0.25f * static_cast<float>(kSmallTeapot);  // about its middle
         points.push_back(farthest);
     }
-    return ConvexHull::build(points);
+    Result<ConvexHullPtr> hull = ConvexHull::build(points);
+    if (!hull) return hull.error();
+    return Shape{std::move(hull).value()};
 }
 
 /// Adds ground and teapot. @return the box of the ground.
@@ -70,7 +84,7 @@ Result<Aabb> add_landscape(World& world, std::uint64_t seed) {
     return box;
 }
 
-Shape draw_shape(Random& random, int i, const ConvexHullPtr& pot) {
+Shape draw_shape(Random& random, int i, const Shape& pot) {
     switch (i % 4) {
         case 0:
             return pot;
@@ -88,10 +102,12 @@ Shape draw_shape(Random& random, int i, const ConvexHullPtr& pot) {
     }
 }
 
-Result<SceneRun> build_teapots(const Request& request) {
-    const Result<ConvexHullPtr> pot = small_teapot();
+/// What falls: teapots alone, or teapots in turn with others.
+enum class Falling { Mixed, Teapots };
+
+Result<SceneRun> build_scene(const Request& request, const char* name, const Result<Shape>& pot, Falling falling) {
     if (!pot) return pot.error();
-    SceneRun run{.name = "teapots", .seed = request.seed, .world = World(request.world_def())};
+    SceneRun run{.name = name, .seed = request.seed, .world = World(request.world_def())};
     run.steps = 600;
     const Result<Aabb> ground = add_landscape(run.world, request.seed);
     if (!ground) return ground.error();
@@ -106,24 +122,37 @@ Result<SceneRun> build_teapots(const Request& request) {
         BodyDef body;
         body.position = {(cell % kAcross - (kAcross - 1) / 2.0) * kPitch, kFirstLayer + kPitch * (i / per_layer),
                          (cell / kAcross - (kAcross - 1) / 2.0) * kPitch};
-        Shape shape = draw_shape(random, i, *pot);
+        Shape shape = falling == Falling::Teapots ? *pot : draw_shape(random, i, *pot);
         draw_yaw_and_spin(random, body);
         add_body(run.world, body, std::move(shape));
     }
     return run;
 }
 
+Result<SceneRun> build_teapots(const Request& request) { return build_scene(request, "teapots", small_teapot_hull(), Falling::Mixed); }
+Result<SceneRun> build_meshes(const Request& request) {
+    return build_scene(request, "teapot_meshes", small_teapot_mesh(), Falling::Teapots);
+}
+
 }  // namespace
 
-Recipe teapots_recipe() {
-    return {.info = {.name = "teapots",
-                     .summary = "teapots, boxes, spheres and capsules fall round a big teapot on hilly ground",
-                     .bodies = 300,
-                     .steps = 600,
-                     .parameters = {}},
-            .seed = 1975,
-            .most_bodies = 20'000,
-            .build = build_teapots};
+std::vector<Recipe> teapots_recipes() {
+    return {{.info = {.name = "teapots",
+                      .summary = "teapots, boxes, spheres and capsules fall round a big teapot on hilly ground",
+                      .bodies = 300,
+                      .steps = 600,
+                      .parameters = {}},
+             .seed = 1975,
+             .most_bodies = 20'000,
+             .build = build_teapots},
+            {.info = {.name = "teapot_meshes",
+                      .summary = "teapots that collide as the meshes they are fall round and on a big one",
+                      .bodies = 60,
+                      .steps = 600,
+                      .parameters = {}},
+             .seed = 1975,
+             .most_bodies = 20'000,
+             .build = build_meshes}};
 }
 
 }  // namespace carom::scenes::detail

@@ -12,6 +12,8 @@ std::span<const StudyGroup> study_catalogue() {
          primitive_studies},
         {"broadphase", "pairs of moving boxes by every method, with margins and cells; which is fastest where, and what the chooser takes",
          broadphase_studies, broadphase_digest},
+        {"meshmesh", "pairs of triangles of two meshes: crossing, nearly touching, touching, in one plane, coincident, tiny, far",
+         meshmesh_studies},
     };
     return groups;
 }

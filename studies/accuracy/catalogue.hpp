@@ -50,5 +50,7 @@ struct StudyGroup {
 [[nodiscard]] std::vector<Study> primitive_studies(const StudyOptions& options);
 /// Broadphase methods; box_crowd.hpp has the cases, winner_map.hpp what they add up to.
 [[nodiscard]] std::vector<Study> broadphase_studies(const StudyOptions& options);
+/// Pairs of triangles of two meshes.
+[[nodiscard]] std::vector<Study> meshmesh_studies(const StudyOptions& options);
 
 }  // namespace carom::accuracy

@@ -1,4 +1,5 @@
 // Pairs of triangles of two meshes against every triangle with every other, and the verdict on two triangles against rationals.
+#include <carom/collision/closest_points.hpp>
 #include <carom/collision/detail/triangles_meet.hpp>
 #include <carom/collision/detail/wide_pairs.hpp>
 #include <carom/collision/mesh_pairs.hpp>
@@ -258,9 +259,10 @@ TEST(MeshPairs, AreTheSameBoxByBoxInDouble) {
     const StaticBvh bvh = bvh_of(ball);
     for (int n = 0; n < 20; ++n) {
         WidePlacement placement;
-        if (!place(bvh.wide(), bvh.wide(), random_pose(random, 1.2), placement)) continue;
-        // Lanes may leave out only pairs that the slow way finds apart.
+        if (!place(bvh.wide(), bvh.wide(), random_pose(random, 1.2), 0.0, placement)) continue;
+        // Lanes may leave out only pairs that the slow way finds apart, and be certain only of pairs that meet.
         std::vector<TrianglePair> lanes, slow;
+        std::size_t certain = 0;
         const auto list = [&](std::vector<TrianglePair>& out, bool check) {
             return [&, check](const LeafPair& pair) {
                 for (std::size_t j = 0; j < pair.b.triangle_count; ++j) {
@@ -272,7 +274,11 @@ TEST(MeshPairs, AreTheSameBoxByBoxInDouble) {
                             x[k] = dvec3(vec3{pair.a.vertex[0][v], pair.a.vertex[1][v], pair.a.vertex[2][v]});
                             y[k] = placement.place(pair.b.vertex[0][w], pair.b.vertex[1][w], pair.b.vertex[2][w]);
                         }
-                        if (!check || detail::triangles_meet(x, y)) out.push_back({pair.a.triangle[i], pair.b.triangle[j]});
+                        const bool meet = detail::triangles_meet(x, y);
+                        const bool sure = (pair.certain[j] >> i & 1u) != 0;
+                        EXPECT_TRUE(meet || !sure) << n;
+                        certain += sure ? 1u : 0u;
+                        if (!check || meet) out.push_back({pair.a.triangle[i], pair.b.triangle[j]});
                     }
                 }
                 return true;
@@ -282,8 +288,39 @@ TEST(MeshPairs, AreTheSameBoxByBoxInDouble) {
         visit_leaf_pairs_in_double(bvh.wide(), bvh.wide(), placement, list(slow, true));
         std::sort(lanes.begin(), lanes.end());
         for (const TrianglePair& pair : slow) ASSERT_TRUE(std::binary_search(lanes.begin(), lanes.end(), pair)) << n;
-        EXPECT_LE(lanes.size(), 8 * slow.size() + 64) << n;  // the planes part most of what boxes leave
+        EXPECT_LE(lanes.size(), slow.size() + slow.size() / 10 + 4) << n;
+        EXPECT_GE(certain + certain / 10 + 4, slow.size()) << n;
     }
+}
+
+TEST(MeshPairs, WithinAReachAreAllAndFewMore) {
+    Random random(20'261'102);
+    const MeshData ball = scenes::bumpy(4);
+    const StaticBvh bvh = bvh_of(ball);
+    const std::vector<int> widths = available_simd_widths();
+    std::size_t near = 0, listed = 0;
+    for (int n = 0; n < 12; ++n) {
+        set_simd_width(widths[static_cast<std::size_t>(n) % widths.size()]);
+        const Pose pose = random_pose(random, 1.4);
+        const double reach = n % 4 == 0 ? 0.0 : random.range(0.001, 0.3);
+        std::vector<TrianglePair> found;
+        near_pairs(bvh, bvh, pose, reach, found);
+        EXPECT_TRUE(std::is_sorted(found.begin(), found.end()));
+        listed += found.size();
+        for (std::uint32_t i = 0; i < ball.triangles.size(); ++i) {
+            for (std::uint32_t j = 0; j < ball.triangles.size(); ++j) {
+                const auto corner = [&](std::uint32_t t, std::size_t k) { return dvec3(ball.vertices[ball.triangles[t][k]]); };
+                const auto placed = [&](std::size_t k) { return transform_point(pose, corner(j, k)); };
+                const geo::Triangle<double> x{corner(i, 0), corner(i, 1), corner(i, 2)}, y{placed(0), placed(1), placed(2)};
+                if (geo::closest_points(x, y).distance_sq > reach * reach) continue;
+                ++near;
+                ASSERT_TRUE(std::binary_search(found.begin(), found.end(), TrianglePair{i, j})) << n;
+            }
+        }
+    }
+    set_simd_width(0);
+    EXPECT_GT(near, 1500u);
+    EXPECT_LT(listed, 3 * near) << "boxes and planes leave out the rest";
 }
 
 TEST(MeshPairs, OfBadPosesAreNone) {

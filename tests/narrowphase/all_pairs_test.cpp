@@ -64,14 +64,15 @@ Sampled sample_pair(ShapeType ta, ShapeType tb, Random& r) {
 
 template <class Body>
 void for_each_pair(std::uint64_t seed, int count, const Body& body) {
-    Random r(seed);
+    Random r(seed), of_surfaces(seed + 100);  // two streams: pairs of meshes and planes leave the others' samples as they are
+    const auto surface = [](ShapeType t) { return t == ShapeType::Plane || t == ShapeType::TriangleMesh; };
     for (int a = 0; a < kTypes; ++a) {
         for (int b = 0; b < kTypes; ++b) {
             const auto ta = static_cast<ShapeType>(a), tb = static_cast<ShapeType>(b);
             if (!can_collide(ta, tb)) continue;
             for (int i = 0; i < count; ++i) {
                 SCOPED_TRACE(testing::Message() << to_string(ta) << " " << to_string(tb) << " " << i);
-                body(sample_pair(ta, tb, r));
+                body(sample_pair(ta, tb, surface(ta) && surface(tb) ? of_surfaces : r));
             }
         }
     }
@@ -104,13 +105,12 @@ bool has_patches(const Sampled& s) {
     return many(s.a) || many(s.b);
 }
 
-TEST(AllPairs, TheTableServesEveryPairWithAtMostOnePlaneOrMesh) {
-    const auto convex = [](ShapeType t) { return t != ShapeType::Plane && t != ShapeType::TriangleMesh; };
+TEST(AllPairs, TheTableServesEveryPairButTwoPlanes) {
     Random r(5);
     for (int a = 0; a < kTypes; ++a) {
         for (int b = 0; b < kTypes; ++b) {
             const auto ta = static_cast<ShapeType>(a), tb = static_cast<ShapeType>(b);
-            EXPECT_EQ(can_collide(ta, tb), convex(ta) || convex(tb)) << to_string(ta) << " " << to_string(tb);
+            EXPECT_EQ(can_collide(ta, tb), ta != ShapeType::Plane || tb != ShapeType::Plane) << to_string(ta) << " " << to_string(tb);
             if (!can_collide(ta, tb)) continue;
             // Each gives a contact somewhere and none far away.
             const Sampled s = sample_pair(ta, tb, r);

@@ -44,7 +44,7 @@ TEST(Catalogue, HasEverySceneOnceAndBuildsItAsItSays) {
         EXPECT_EQ(scenes::count_escaped(run.world, run.domain), 0) << info.name;
     }
     for (const char* name : {"pyramid", "pile_boxes", "pile_mixed", "pile_shapes", "mesh_bowl", "tall_stack", "mass_ratio",
-                             "wall_fast", "single_body_spin", "teapots", "fountain", "dominoes"}) {
+                             "wall_fast", "single_body_spin", "teapots", "teapot_meshes", "fountain", "dominoes"}) {
         EXPECT_TRUE(names.contains(name)) << name;
     }
 }

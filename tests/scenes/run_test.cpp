@@ -16,6 +16,7 @@ SceneOptions small(const std::string& name) {
     SceneOptions options;
     if (name == "pyramid") options.set["base"] = "6";
     if (name.starts_with("pile_") || name == "mesh_bowl" || name == "teapots") options.bodies = 40;
+    if (name == "teapot_meshes") options.bodies = 10;
     if (name == "tall_stack") options.bodies = 5;
     if (name == "fountain") options.bodies = 10;
     if (name == "dominoes") options.bodies = 20;

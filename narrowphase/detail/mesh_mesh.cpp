@@ -1,0 +1,163 @@
+// A triangle mesh against another one.
+//
+// Method. Leaders first (mesh_leaders.hpp): pairs of features along whose normal the one surface can leave the other. The deepest one
+// takes along all whose normals lie close to its own, and the faces that look at each other along it are cut against each other for
+// the rest of the patch; then the deepest of those that are left.
+#include <carom/core/math.hpp>
+#include <carom/narrowphase/detail/kernels.hpp>
+#include <carom/narrowphase/detail/mesh_leaders.hpp>
+#include <carom/narrowphase/detail/tolerances.hpp>
+#include <carom/narrowphase/detail/workspace.hpp>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+#include <glm/gtc/quaternion.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace carom::detail {
+namespace {
+
+// Overlaps are looked for down to this share of the smaller mesh's box.
+constexpr double kDepthShare = 0.25;
+
+// Contacts are looked for within this share of the smaller mesh's box first, and within more and more of the margin while there are none.
+constexpr double kNearShare = 1.0 / 64.0;
+constexpr double kNearGrowth = 3.0;
+
+struct MeshBox {
+    dvec3 centre{0.0};
+    double diagonal = 0.0;
+};
+
+MeshBox box_of(const TriangleMesh& mesh) noexcept {
+    const Aabb& box = mesh.local_bounds();
+    return {0.5 * (box.lower + box.upper), glm::length(box.upper - box.lower)};
+}
+
+// A triangle as the polygon code sees it.
+struct FaceOfMesh {
+    std::array<FaceCorner, 3> corners;
+
+    FaceOfMesh(const PlacedFace& face, const ContactPlane& plane) noexcept {
+        for (std::size_t k = 0; k < 3; ++k) {
+            const dvec3& p = face.corners[k];
+            corners[k] = {p, glm::dot(p, plane.axis_u), glm::dot(p, plane.axis_w), face.names[k], face.edges[k]};
+        }
+    }
+};
+
+// Adds the points that two triangles have in common along the normal, where they look at each other.
+void add_face_points(const PlacedFace& a, const PlacedFace& b, const ContactPlane& plane, std::vector<Candidate>& points) {
+    if (!share_points(glm::dot(a.normal, plane.normal), -glm::dot(b.normal, plane.normal))) return;
+    const FaceOfMesh first(a, plane), second(b, plane);
+    std::array<double, 18> sides{};
+    collect_face_contact({first.corners, a.normal, glm::dot(a.normal, a.corners[0])},
+                         {second.corners, b.normal, glm::dot(b.normal, b.corners[0])}, plane, sides, points);
+}
+
+// Emits one manifold for each group of leaders.
+void emit_patches(MeshContact& contact, const LeaderLimits& limits, std::vector<Candidate>& points, ManifoldSink& sink) {
+    std::vector<Leader>& leaders = contact.finder.leaders;
+    for (;;) {
+        Leader* deepest = nullptr;
+        for (Leader& l : leaders) {
+            if (!l.used && (deepest == nullptr || l.separation < deepest->separation)) deepest = &l;
+        }
+        if (deepest == nullptr) return;
+        const ContactPlane plane = contact_plane(deepest->normal, limits.margin, limits.tolerance);
+        points.clear();
+        const PlacedFaces& faces = contact.faces;
+        for (const FacePair& pair : faces.pairs) add_face_points(faces.first[pair.a], faces.second[pair.b], plane, points);
+        // Faces on far sides of thin parts look at each other too, from behind.
+        const double least = std::min(2.0 * deepest->separation, deepest->separation) - limits.tolerance;
+        std::erase_if(points, [&](const Candidate& c) { return c.separation < least; });
+        for (Leader& l : leaders) {
+            const double cosine = glm::dot(l.normal, plane.normal);
+            if (l.used || (&l != deepest && cosine < kSameNormal)) continue;
+            l.used = true;
+            points.push_back({l.position, &l == deepest ? l.separation : l.separation * cosine, glm::dot(l.position, plane.axis_u),
+                              glm::dot(l.position, plane.axis_w), l.feature});
+        }
+        Chosen chosen{};
+        const int count = reduce_points(points, limits.tolerance, outline_start(plane.normal, plane.axis_u, plane.axis_w), chosen);
+        Patch patch;
+        patch.normal = plane.normal;
+        for (int i = 0; i < count; ++i) {
+            const Candidate& c = points[static_cast<std::size_t>(chosen[static_cast<std::size_t>(i)])];
+            patch.add(c.position, c.separation, c.feature);
+        }
+        sink.add(patch);
+    }
+}
+
+// Whether the second mesh's box, as it lies, meets that of the first.
+bool boxes_meet(const PairFrame& pair, const TriangleMesh& a, const TriangleMesh& b) noexcept {
+    const Aabb &own = a.local_bounds(), &other = b.local_bounds();
+    const dvec3 half = 0.5 * (other.upper - other.lower), centre = pair.to_first(0.5 * (other.lower + other.upper));
+    const dvec3 reach = glm::abs(pair.rotation[0]) * half.x + glm::abs(pair.rotation[1]) * half.y + glm::abs(pair.rotation[2]) * half.z;
+    return overlaps(own, Aabb{centre - reach, centre + reach});
+}
+
+// Sets the two sides.
+void set_sides(const PairFrame& pair, MeshContact& contact) {
+    const TriangleMesh &a = *as<TriangleMeshPtr>(pair.first), &b = *as<TriangleMeshPtr>(pair.second);
+    const MeshBox first = box_of(a), second = box_of(b);
+    contact.first.set(a, dmat3{1.0}, dvec3{0.0}, {pair.to_first(second.centre), second.diagonal});
+    contact.second.set(b, pair.rotation, pair.translation, {first.centre, first.diagonal});
+}
+
+// Of two meshes whose surfaces are apart: one that lies wholly inside of another that is closed is led out by its first vertex.
+CollideStatus look_inside(const PairFrame& pair, const LeaderLimits& limits, Workspace& workspace, ManifoldSink& sink) {
+    const TriangleMesh &a = *as<TriangleMeshPtr>(pair.first), &b = *as<TriangleMeshPtr>(pair.second);
+    const bool inner_is_first = box_of(a).diagonal <= box_of(b).diagonal;
+    if (!(inner_is_first ? b : a).is_closed() || !boxes_meet(pair, a, b)) return CollideStatus::Ok;
+    MeshContact& contact = workspace.meshes;
+    set_sides(pair, contact);
+    const MeshSide &inner = inner_is_first ? contact.first : contact.second, &outer = inner_is_first ? contact.second : contact.first;
+    const std::uint32_t vertex = inner.mesh().triangles()[0][0];
+    const std::optional<SurfacePoint> nearest =
+        outer.measure(inner.to_pair(inner.mesh().vertices()[vertex]), std::numeric_limits<double>::infinity());
+    if (!nearest || nearest->separation >= 0.0) return CollideStatus::Ok;
+    contact.finder.add_way_out(inner, vertex, *nearest, inner_is_first);
+    contact.faces.pairs.clear();
+    emit_patches(contact, limits, workspace.polygons.candidates, sink);
+    return CollideStatus::Undecided;
+}
+
+}  // namespace
+
+CollideStatus mesh_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
+    const TriangleMesh &a = *as<TriangleMeshPtr>(pair.first), &b = *as<TriangleMeshPtr>(pair.second);
+    MeshContact& contact = workspace.meshes;
+    const double smaller = std::min(box_of(a).diagonal, box_of(b).diagonal);
+    LeaderLimits limits;
+    limits.tolerance = kPointTolerance * smaller;
+    const Pose b_in_a{pair.translation, glm::quat_cast(pair.rotation)};
+
+    // Nearest first: what is farther than the first contacts by more than a share of the size says nothing.
+    for (double margin = std::min(pair.margin, kNearShare * smaller);; margin = std::min(pair.margin, kNearGrowth * margin)) {
+        const double reach = margin + limits.tolerance;  // the pose is rounded
+        near_pairs(a.bvh(), b.bvh(), b_in_a, reach, contact.near);
+        if (!contact.near.empty()) {
+            set_sides(pair, contact);
+            limits.margin = margin;
+            limits.depth = std::max(margin, kDepthShare * smaller);
+            overlapping_pairs(a.bvh(), b.bvh(), b_in_a, contact.meeting);
+            contact.faces.place(contact.first, contact.second, contact.near, contact.meeting, reach);
+            contact.finder.find(contact.first, contact.second, limits, contact.faces, contact.meeting);
+            if (contact.finder.leaders.empty() && !contact.meeting.empty()) {
+                contact.finder.add_parting(contact.first, contact.second, contact.meeting.front());
+            }
+            if (!contact.finder.leaders.empty()) break;
+        }
+        if (margin < pair.margin) continue;
+        return look_inside(pair, limits, workspace, sink);
+    }
+    emit_patches(contact, limits, workspace.polygons.candidates, sink);
+    return contact.finder.incomplete ? CollideStatus::Undecided : CollideStatus::Ok;
+}
+
+}  // namespace carom::detail
