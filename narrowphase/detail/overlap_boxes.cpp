@@ -1,0 +1,99 @@
+// Whether two boxes overlap, sixteen pairs at a time.
+#include <carom/core/simd_targets.hpp>
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE <carom/narrowphase/detail/overlap_boxes.cpp>
+#include <hwy/foreach_target.h>
+
+#include <carom/core/lanes.hpp>
+#include <carom/narrowphase/detail/pair_lanes.hpp>
+#include <carom/narrowphase/detail/place_lanes.hpp>
+
+#include <algorithm>
+
+HWY_BEFORE_NAMESPACE();
+namespace carom::detail::HWY_NAMESPACE {
+namespace {
+
+// What the axes say so far.
+struct Verdicts {
+    Mask apart, unclear;
+
+    // `length` is that of the axis or more, which the gap is in units of.
+    HWY_INLINE void judge(Floats gap, Floats error) {
+        apart = apart | (gap > error);
+        unclear = unclear | (!(gap < -error));
+    }
+};
+
+HWY_INLINE Verdicts judge_axes(const Placement& p, const Floats (&a)[3], const Floats (&b)[3], Floats error) {
+    const auto& r = p.rotation;
+    const auto& t = p.offset;
+    Floats size[3][3];
+    Verdicts v{t[0] != t[0], t[0] != t[0]};
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i) {
+#pragma GCC unroll 3
+        for (int j = 0; j < 3; ++j) size[i][j] = abs(r[i][j]);
+        v.judge(abs(t[i]) - (a[i] + ((size[i][0] * b[0] + size[i][1] * b[1]) + size[i][2] * b[2])), error);
+    }
+#pragma GCC unroll 3
+    for (int j = 0; j < 3; ++j) {
+        const Floats along = (r[0][j] * t[0] + r[1][j] * t[1]) + r[2][j] * t[2];
+        v.judge(abs(along) - (b[j] + ((size[0][j] * a[0] + size[1][j] * a[1]) + size[2][j] * a[2])), error);
+    }
+    if (all(v.apart)) return v;
+#pragma GCC unroll 3
+    for (int i = 0; i < 3; ++i) {
+        const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+#pragma GCC unroll 3
+        for (int j = 0; j < 3; ++j) {
+            const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+            const Floats reach_1 = abs(r[i1][j] * r[i2][j1] - r[i2][j] * r[i1][j1]), reach_2 = abs(r[i1][j] * r[i2][j2] - r[i2][j] * r[i1][j2]);
+            const Floats reach = (a[i1] * size[i2][j] + a[i2] * size[i1][j]) + (b[j1] * reach_1 + b[j2] * reach_2);
+            const Floats along = abs(t[i2] * r[i1][j] - t[i1] * r[i2][j]);
+            // Edges parallel to 1e-12 have the axes of the faces, to as much.
+            const Floats length = size[i1][j] + size[i2][j];
+            const Mask is_axis = length > Floats(1e-12f);
+            const Floats slack = error * length, gap = along - reach;
+            v.apart = v.apart | (is_axis & (gap > slack));
+            v.unclear = v.unclear | (is_axis & (!(gap < -slack)));
+        }
+    }
+    return v;
+}
+
+void OverlapBoxes(std::span<const LaneBoxes> pairs, Overlap* verdicts) {
+    alignas(64) float rows[kLanes < 4 ? 4 * 12 : kLanes * 12];
+    alignas(64) float halves[6][kLanes];
+    for (std::size_t first = 0; first < pairs.size(); first += static_cast<std::size_t>(kLanes)) {
+        const auto count = static_cast<int>(std::min<std::size_t>(static_cast<std::size_t>(kLanes), pairs.size() - first));
+        for (int l = 0; l < kLanes; ++l) {
+            const LaneBoxes& pair = pairs[first + static_cast<std::size_t>(l < count ? l : 0)];
+            write_row(pair.place, rows + 12 * l);
+            halves[0][l] = pair.half_a->x, halves[1][l] = pair.half_a->y, halves[2][l] = pair.half_a->z;
+            halves[3][l] = pair.half_b->x, halves[4][l] = pair.half_b->y, halves[5][l] = pair.half_b->z;
+        }
+        const Placement p = placement_of(rows);
+        const Floats a[3] = {load(halves[0]), load(halves[1]), load(halves[2])}, b[3] = {load(halves[3]), load(halves[4]), load(halves[5])};
+        const Floats size = ((abs(p.offset[0]) + abs(p.offset[1])) + abs(p.offset[2])) + (((a[0] + a[1]) + a[2]) + ((b[0] + b[1]) + b[2]));
+        const Mask fit = p.fit & (size > Floats(kSmallestLaneSize)) & (size < Floats(kLargestLaneSize));
+        const Verdicts v = judge_axes(p, a, b, size * Floats(kLaneRounding));
+        const unsigned apart = bits(v.apart & fit), clear = bits(fit & (!v.unclear));
+        for (int l = 0; l < count; ++l) {
+            verdicts[first + static_cast<std::size_t>(l)] = (apart >> l & 1u) != 0   ? Overlap::Apart
+                                                            : (clear >> l & 1u) != 0 ? Overlap::Overlapping
+                                                                                     : Overlap::Undecided;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace carom::detail::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace carom::detail {
+HWY_EXPORT(OverlapBoxes);
+void overlap_boxes(std::span<const LaneBoxes> pairs, Overlap* verdicts) { HWY_DYNAMIC_DISPATCH(OverlapBoxes)(pairs, verdicts); }
+}  // namespace carom::detail
+#endif
