@@ -64,7 +64,7 @@ Shape hull_of(Random& random) {
     return *ConvexHull::build(points);
 }
 
-// The pairs, as both contenders take them: pair i is of the places 2 i and 2 i + 1.
+// The pairs, as both contenders take them: pair i is of the places 2 i and 2 i + 1, which Carom counts from the first of its turn.
 struct Crowd {
     std::vector<Shape> shapes;
     std::vector<FclConvex> fcl_shapes;
@@ -87,11 +87,12 @@ struct Crowd {
                 poses.push_back({(part * apart) * way, rotation_of(random)});
                 fcl_places.emplace_back(poses.back());
             }
-            pairs.push_back({static_cast<std::uint32_t>(2 * i), static_cast<std::uint32_t>(2 * i + 1), 0.0f});
+            if (i < kTurn) pairs.push_back({static_cast<std::uint32_t>(2 * i), static_cast<std::uint32_t>(2 * i + 1), 0.0f});
         }
     }
-    [[nodiscard]] PlacedShapes places() const { return {placed, poses}; }
-    [[nodiscard]] std::span<const NumberedPair> turn(std::size_t first) const { return std::span(pairs).subspan(first, kTurn); }
+    [[nodiscard]] PlacedShapes places(std::size_t first) const {
+        return {std::span(placed).subspan(2 * first, 2 * kTurn), std::span(poses).subspan(2 * first, 2 * kTurn)};
+    }
 
     // Calls fcl(a, b, place a, place b) for each pair of the turn from `first`.
     template <class Ask>
@@ -181,7 +182,7 @@ void boolean_row(const Crowd& crowd, const std::string& bench, Rows& rows) {
     std::vector<unsigned char> peer(kPairs);
     const auto times = race(
         [&](std::size_t first) {
-            overlaps(crowd.places(), crowd.turn(first), executor, verdicts);
+            overlaps(crowd.places(first), crowd.pairs, executor, verdicts);
             std::ranges::copy(verdicts, all.begin() + static_cast<std::ptrdiff_t>(first));
         },
         [&](std::size_t first) {
@@ -209,7 +210,7 @@ void manifold_row(const Crowd& crowd, const std::string& bench, Rows& rows) {
     std::vector<std::optional<double>> peer(kPairs);
     const auto times = race(
         [&](std::size_t first) {
-            collide(crowd.places(), crowd.turn(first), executor, scratch, manifolds);
+            collide(crowd.places(first), crowd.pairs, executor, scratch, manifolds);
             std::fill_n(all.begin() + static_cast<std::ptrdiff_t>(first), kTurn, 0.0);
             for (const Manifold& m : manifolds) {
                 for (const ContactPoint& p : m.used()) all[first + m.pair] = std::max(all[first + m.pair], -double(p.separation));
@@ -236,7 +237,7 @@ void distance_row(const Crowd& crowd, const std::string& bench, Rows& rows) {
     std::vector<std::optional<double>> peer(kPairs);
     const auto times = race(
         [&](std::size_t first) {
-            distance(crowd.places(), crowd.turn(first), executor, {}, results);
+            distance(crowd.places(first), crowd.pairs, executor, {}, results);
             std::ranges::copy(results, all.begin() + static_cast<std::ptrdiff_t>(first));
         },
         [&](std::size_t first) {

@@ -11,17 +11,37 @@ namespace {
 
 constexpr std::size_t kChunk = 256;  // pairs whose lane results lie on the stack at once; no bits depend on it
 
+// The sum of a pose's numbers, which is finite only where all of them are; where it is not, they still may be.
+double sum_of(const Pose& p) noexcept {
+    const dquat& q = p.orientation;
+    return ((p.position.x + p.position.y) + (p.position.z + q.x)) + ((q.y + q.z) + q.w);
+}
+
+// What is wrong with one pair, or nothing.
+detail::PairFault find_fault(const PlacedShapes& placed, const NumberedPair& pair) noexcept {
+    if (pair.a >= placed.shapes.size() || pair.b >= placed.shapes.size()) return {"distance: a pair names a shape beyond the last"};
+    const Shape *const a = placed.shapes[pair.a], *const b = placed.shapes[pair.b];
+    if (a == nullptr || b == nullptr) return {"distance: a shape is null"};
+    return detail::query_fault(*a, placed.poses[pair.a], *b, placed.poses[pair.b]);
+}
+
+// The bounded shapes that need no other look; hulls are looked at for null.
+bool plainly_fit(const Shape* shape) noexcept {
+    if (shape == nullptr) return false;
+    const ConvexHullPtr* const hull = std::get_if<ConvexHullPtr>(shape);
+    return hull != nullptr ? *hull != nullptr : is_convex_solid(type_of(*shape));
+}
+
 detail::PairFault find_fault(const PlacedShapes& placed, std::span<const NumberedPair> pairs) noexcept {
     if (placed.shapes.size() != placed.poses.size()) return {"distance: shapes and poses differ in number"};
-    double residue = 0.0;
-    for (const NumberedPair& pair : pairs) {
-        if (pair.a >= placed.shapes.size() || pair.b >= placed.shapes.size()) return {"distance: a pair names a shape beyond the last"};
-        const Shape *const a = placed.shapes[pair.a], *const b = placed.shapes[pair.b];
-        if (a == nullptr || b == nullptr) return {"distance: a shape is null"};
-        if (const detail::PairFault fault = detail::query_fault(*a, *b); fault.what != nullptr) return fault;
-        residue += detail::finite_residue(placed.poses[pair.a]) + detail::finite_residue(placed.poses[pair.b]);
+    const std::size_t count = placed.shapes.size();
+    for (const NumberedPair& p : pairs) {
+        const bool fit = p.a < count && p.b < count && plainly_fit(placed.shapes[p.a]) && plainly_fit(placed.shapes[p.b]) &&
+                         is_finite(sum_of(placed.poses[p.a]) + sum_of(placed.poses[p.b]));
+        if (fit) continue;
+        if (const detail::PairFault fault = find_fault(placed, p); fault.what != nullptr) return fault;
     }
-    return residue != 0.0 ? detail::PairFault{"distance: a pose is not finite", ErrorCode::NotFinite} : detail::PairFault{};
+    return {};
 }
 
 // What many pairs at once take, sorted by the kernel that takes them.
@@ -29,8 +49,15 @@ struct Chunk {
     std::array<detail::LaneBoxes, kChunk> boxes;
     std::array<detail::LaneCores, kChunk> cores;
     std::array<std::uint16_t, kChunk> box_of, core_of;  // pair in the chunk
+    std::array<Overlap, kChunk> of_boxes;
+    std::array<detail::LaneResult, kChunk> of_cores;
     std::size_t box_count = 0, core_count = 0;
 };
+// Kept from call to call, since clearing it takes as long as the work.
+Chunk& thread_chunk() {
+    thread_local Chunk chunk;
+    return chunk;
+}
 
 // @return whether the lanes take shapes of this kind.
 bool lane_core(const Shape& shape, detail::LaneCore& core) noexcept {
@@ -81,9 +108,9 @@ public:
         const NumberedPair& p = pairs_[i];
         return detail::pair_distance(*placed_.shapes[p.a], placed_.poses[p.a], *placed_.shapes[p.b], placed_.poses[p.b], settings, cache);
     }
-    [[nodiscard]] Overlap verdict_of(std::size_t i, DistanceCache* cache) const noexcept {
+    [[nodiscard]] Overlap verdict_of(std::size_t i) const noexcept {
         const NumberedPair& p = pairs_[i];
-        return detail::pair_overlaps(*placed_.shapes[p.a], placed_.poses[p.a], *placed_.shapes[p.b], placed_.poses[p.b], cache);
+        return detail::pair_overlaps(*placed_.shapes[p.a], placed_.poses[p.a], *placed_.shapes[p.b], placed_.poses[p.b], nullptr);
     }
 
 private:
@@ -92,8 +119,8 @@ private:
 };
 
 void find_distances(const Batch& batch, std::size_t first, std::span<DistanceResult> out, const DistanceSettings& settings) {
-    Chunk chunk;
-    std::array<detail::LaneResult, kChunk> results;
+    Chunk& chunk = thread_chunk();
+    std::array<detail::LaneResult, kChunk>& results = chunk.of_cores;
     batch.sort(first, out.size(), false, chunk);
     detail::search_cores({chunk.cores.data(), chunk.core_count}, detail::LaneGoal::Distance, results.data());
     std::size_t next = 0;
@@ -112,9 +139,9 @@ void find_distances(const Batch& batch, std::size_t first, std::span<DistanceRes
 }
 
 void find_verdicts(const Batch& batch, std::size_t first, std::span<Overlap> out) {
-    Chunk chunk;
-    std::array<Overlap, kChunk> of_boxes;
-    std::array<detail::LaneResult, kChunk> of_cores;
+    Chunk& chunk = thread_chunk();
+    auto& of_boxes = chunk.of_boxes;
+    auto& of_cores = chunk.of_cores;
     batch.sort(first, out.size(), true, chunk);
     detail::overlap_boxes({chunk.boxes.data(), chunk.box_count}, of_boxes.data());
     detail::search_cores({chunk.cores.data(), chunk.core_count}, detail::LaneGoal::Verdict, of_cores.data());
@@ -122,7 +149,7 @@ void find_verdicts(const Batch& batch, std::size_t first, std::span<Overlap> out
     for (std::size_t k = 0; k < chunk.box_count; ++k) out[chunk.box_of[k]] = of_boxes[k];
     for (std::size_t k = 0; k < chunk.core_count; ++k) out[chunk.core_of[k]] = of_cores[k].verdict;
     for (std::size_t i = 0; i < out.size(); ++i) {
-        if (out[i] == Overlap::Undecided) out[i] = batch.verdict_of(first + i, nullptr);
+        if (out[i] == Overlap::Undecided) out[i] = batch.verdict_of(first + i);
     }
 }
 

@@ -62,19 +62,33 @@ HWY_INLINE Verdicts judge_axes(const Placement& p, const Floats (&a)[3], const F
     return v;
 }
 
+// A box's half extents and a number that means nothing: a Box is the first member of a Shape, which is longer than four floats.
+static_assert(sizeof(Shape) >= 16 && sizeof(Box) == 12);
+HWY_INLINE void write_half(const vec3* half, float* row) {
+#if HWY_TARGET == HWY_SCALAR
+    row[0] = half->x, row[1] = half->y, row[2] = half->z, row[3] = 0.0f;
+#else
+    const hn::Simd<float, 4, 0> four;
+    hn::Store(hn::LoadU(four, &half->x), four, row);
+#endif
+}
+
 void OverlapBoxes(std::span<const LaneBoxes> pairs, Overlap* verdicts) {
-    alignas(64) float rows[kLanes < 4 ? 4 * 12 : kLanes * 12];
-    alignas(64) float halves[6][kLanes];
+    constexpr int kRows = kLanes < 4 ? 4 : kLanes;
+    alignas(64) float rows[kRows * 12], halves[kRows * 8];
+    alignas(64) constexpr std::int32_t kInOrder[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
     for (std::size_t first = 0; first < pairs.size(); first += static_cast<std::size_t>(kLanes)) {
         const auto count = static_cast<int>(std::min<std::size_t>(static_cast<std::size_t>(kLanes), pairs.size() - first));
         for (int l = 0; l < kLanes; ++l) {
             const LaneBoxes& pair = pairs[first + static_cast<std::size_t>(l < count ? l : 0)];
             write_row(pair.place, rows + 12 * l);
-            halves[0][l] = pair.half_a->x, halves[1][l] = pair.half_a->y, halves[2][l] = pair.half_a->z;
-            halves[3][l] = pair.half_b->x, halves[4][l] = pair.half_b->y, halves[5][l] = pair.half_b->z;
+            write_half(pair.half_a, halves + 8 * l);
+            write_half(pair.half_b, halves + 8 * l + 4);
         }
+        Floats a[3], b[3], nothing;
+        gather_rows(halves, kInOrder, 8, 0, a[0], a[1], a[2], nothing);
+        gather_rows(halves, kInOrder, 8, 4, b[0], b[1], b[2], nothing);
         const Placement p = placement_of(rows);
-        const Floats a[3] = {load(halves[0]), load(halves[1]), load(halves[2])}, b[3] = {load(halves[3]), load(halves[4]), load(halves[5])};
         const Floats size = ((abs(p.offset[0]) + abs(p.offset[1])) + abs(p.offset[2])) + (((a[0] + a[1]) + a[2]) + ((b[0] + b[1]) + b[2]));
         const Mask fit = p.fit & (size > Floats(kSmallestLaneSize)) & (size < Floats(kLargestLaneSize));
         const Verdicts v = judge_axes(p, a, b, size * Floats(kLaneRounding));

@@ -28,30 +28,48 @@ struct Placement {
     Mask fit;               ///< both orientations are of unit length to 2^-20, and the offset is finite
 };
 
-// Four doubles to floats, rounded to nearest.
-HWY_INLINE void narrow_four(const double* from, float* to) {
 #if HWY_TARGET == HWY_SCALAR
-    for (int k = 0; k < 4; ++k) to[k] = static_cast<float>(from[k]);
-#elif HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3
-    hn::Store(hn::DemoteTo(hn::Simd<float, 4, 0>(), hn::LoadU(hn::Simd<double, 4, 0>(), from)), hn::Simd<float, 4, 0>(), to);
-#else
-    const hn::Simd<double, 2, 0> two;
-    hn::Store(hn::DemoteTo(hn::Simd<float, 2, 0>(), hn::LoadU(two, from)), hn::Simd<float, 2, 0>(), to);
-    hn::Store(hn::DemoteTo(hn::Simd<float, 2, 0>(), hn::LoadU(two, from + 2)), hn::Simd<float, 2, 0>(), to + 2);
-#endif
-}
-
-// Of each pair twelve floats: the difference of the positions, A's quaternion, B's.
 HWY_INLINE void write_row(const LanePlace& place, float* row) {
-    const double* const a = &place.a->position.x;
-    const double* const b = &place.b->position.x;
-    row[0] = static_cast<float>(b[0] - a[0]);
-    row[1] = static_cast<float>(b[1] - a[1]);
-    row[2] = static_cast<float>(b[2] - a[2]);
-    row[3] = 0.0f;
-    narrow_four(a + 3, row + 4);
-    narrow_four(b + 3, row + 8);
+    const double *const a = &place.a->position.x, *const b = &place.b->position.x;
+    for (int k = 0; k < 4; ++k) {
+        row[k] = static_cast<float>(b[k] - a[k]);
+        row[4 + k] = static_cast<float>(a[3 + k]);
+        row[8 + k] = static_cast<float>(b[3 + k]);
+    }
 }
+#else
+// Four doubles, as one vector or two.
+struct FourDoubles {
+#if HWY_TARGET == HWY_AVX2 || HWY_TARGET == HWY_AVX3
+    using Tag = hn::Simd<double, 4, 0>;
+    hn::Vec<Tag> all;
+    HWY_INLINE explicit FourDoubles(const double* from) : all(hn::LoadU(Tag(), from)) {}
+    HWY_INLINE void subtract(const FourDoubles& other) { all = hn::Sub(all, other.all); }
+    HWY_INLINE void narrow(float* to) const { hn::Store(hn::DemoteTo(BlockFloats(), all), BlockFloats(), to); }
+#else
+    using Tag = hn::Simd<double, 2, 0>;
+    using HalfFloats = hn::Simd<float, 2, 0>;
+    hn::Vec<Tag> low, high;
+    HWY_INLINE explicit FourDoubles(const double* from) : low(hn::LoadU(Tag(), from)), high(hn::LoadU(Tag(), from + 2)) {}
+    HWY_INLINE void subtract(const FourDoubles& other) { low = hn::Sub(low, other.low), high = hn::Sub(high, other.high); }
+    HWY_INLINE void narrow(float* to) const {
+        hn::Store(hn::Combine(BlockFloats(), hn::DemoteTo(HalfFloats(), high), hn::DemoteTo(HalfFloats(), low)), BlockFloats(), to);
+    }
+#endif
+    using BlockFloats = hn::Simd<float, 4, 0>;
+};
+
+// Of each pair twelve floats, in stores as wide as they are read: the difference of the positions and a number that means nothing, A's
+// quaternion, B's.
+HWY_INLINE void write_row(const LanePlace& place, float* row) {
+    const double *const a = &place.a->position.x, *const b = &place.b->position.x;
+    FourDoubles between(b);
+    between.subtract(FourDoubles(a));
+    between.narrow(row);
+    FourDoubles(a + 3).narrow(row + 4);
+    FourDoubles(b + 3).narrow(row + 8);
+}
+#endif
 
 HWY_INLINE Placement placement_of(const float* rows) {
     alignas(64) constexpr std::int32_t kInOrder[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};

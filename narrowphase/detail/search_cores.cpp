@@ -47,7 +47,45 @@ struct Found {
     float x, y, z;
 };
 
-// The point farthest along the direction; of equals the first.
+HWY_INLINE Floats reach(const ConvexHull::VertexBundle& points, int lane, const Floats3& d) {
+    return dot(d, {load(points.x.lane + lane), load(points.y.lane + lane), load(points.z.lane + lane)});
+}
+
+HWY_INLINE Found pick(const ConvexHull::VertexBundle* points, std::uint32_t index) {
+    const ConvexHull::VertexBundle& p = points[index / kBundleWidth];
+    const std::uint32_t lane = index % kBundleWidth;
+    return {index, p.x.lane[lane], p.y.lane[lane], p.z.lane[lane]};
+}
+
+// The point farthest along the direction; of equals the first. Up to 32 points stay in registers, and no branch depends on them.
+template <int bundles>
+HWY_INLINE Found farthest_of(const ConvexHull::VertexBundle* points, const Floats3& d) {
+    constexpr int kParts = kBundleWidth / kLanes;
+    Floats along[bundles * kParts];
+    for (int k = 0; k < bundles * kParts; ++k) along[k] = reach(points[k / kParts], k % kParts * kLanes, d);
+    Floats most = along[0];
+    for (int k = 1; k < bundles * kParts; ++k) most = max(most, along[k]);
+    const Floats top{hn::MaxOfLanes(FloatTag(), most.raw)};
+    std::uint32_t equal = 0;
+    for (int k = 0; k < bundles * kParts; ++k) equal |= bits(along[k] == top) << (k * kLanes);
+    return pick(points, static_cast<std::uint32_t>(std::countr_zero(equal)) % (bundles * kBundleWidth));
+}
+
+HWY_INLINE Found farthest_of_many(const LaneCore& core, const Floats3& d) {
+    Floats most(-std::numeric_limits<float>::infinity());
+    for (std::uint32_t k = 0; k < core.bundles; ++k) {
+        for (int lane = 0; lane < kBundleWidth; lane += kLanes) most = max(most, reach(core.points[k], lane, d));
+    }
+    const Floats top{hn::MaxOfLanes(FloatTag(), most.raw)};
+    for (std::uint32_t k = 0; k < core.bundles; ++k) {
+        for (int lane = 0; lane < kBundleWidth; lane += kLanes) {
+            const unsigned equal = bits(reach(core.points[k], lane, d) == top);
+            if (equal != 0) return pick(core.points, k * kBundleWidth + static_cast<std::uint32_t>(lane + std::countr_zero(equal)));
+        }
+    }
+    return pick(core.points, 0);
+}
+
 HWY_INLINE Found farthest(const LaneCore& core, float dx, float dy, float dz) {
     if (core.points == nullptr) {
         const bool x = core.half.x * dx > 0.0f, y = core.half.y * dy > 0.0f, z = core.half.z * dz > 0.0f;
@@ -55,24 +93,8 @@ HWY_INLINE Found farthest(const LaneCore& core, float dx, float dy, float dz) {
                 z ? core.half.z : -core.half.z};
     }
     const Floats3 d{dx, dy, dz};
-    const auto reach = [&d](const ConvexHull::VertexBundle& points, int lane) {
-        return dot(d, {load(points.x.lane + lane), load(points.y.lane + lane), load(points.z.lane + lane)});
-    };
-    Floats most(-std::numeric_limits<float>::infinity());
-    for (std::uint32_t k = 0; k < core.bundles; ++k) {
-        for (int lane = 0; lane < kBundleWidth; lane += kLanes) most = max(most, reach(core.points[k], lane));
-    }
-    const Floats top(greatest_lane(most));
-    for (std::uint32_t k = 0; k < core.bundles; ++k) {
-        for (int lane = 0; lane < kBundleWidth; lane += kLanes) {
-            const unsigned equal = bits(reach(core.points[k], lane) == top);
-            if (equal == 0) continue;
-            const int l = lane + std::countr_zero(equal);
-            const ConvexHull::VertexBundle& p = core.points[k];
-            return {k * kBundleWidth + static_cast<std::uint32_t>(l), p.x.lane[l], p.y.lane[l], p.z.lane[l]};
-        }
-    }
-    return {0, core.points->x.lane[0], core.points->y.lane[0], core.points->z.lane[0]};
+    if (core.bundles == 1) return farthest_of<1>(core.points, d);
+    return core.bundles == 2 ? farthest_of<2>(core.points, d) : farthest_of_many(core, d);
 }
 
 class Lockstep {
