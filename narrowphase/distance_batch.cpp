@@ -35,9 +35,11 @@ bool plainly_fit(const Shape* shape) noexcept {
 detail::PairFault find_fault(const PlacedShapes& placed, std::span<const NumberedPair> pairs) noexcept {
     if (placed.shapes.size() != placed.poses.size()) return {"distance: shapes and poses differ in number"};
     const std::size_t count = placed.shapes.size();
+    // All poses in one go, unless few of them are asked for; those of null shapes are not to be read, which the second look minds.
+    const bool finite = count <= 8 * pairs.size() && detail::poses_are_finite(placed.poses);
     for (const NumberedPair& p : pairs) {
         const bool fit = p.a < count && p.b < count && plainly_fit(placed.shapes[p.a]) && plainly_fit(placed.shapes[p.b]) &&
-                         is_finite(sum_of(placed.poses[p.a]) + sum_of(placed.poses[p.b]));
+                         (finite || is_finite(sum_of(placed.poses[p.a]) + sum_of(placed.poses[p.b])));
         if (fit) continue;
         if (const detail::PairFault fault = find_fault(placed, p); fault.what != nullptr) return fault;
     }
@@ -49,7 +51,7 @@ struct Chunk {
     std::array<detail::LaneBoxes, kChunk> boxes;
     std::array<detail::LaneCores, kChunk> cores;
     std::array<std::uint16_t, kChunk> box_of, core_of;  // pair in the chunk
-    std::array<Overlap, kChunk> of_boxes;
+    std::array<detail::LaneVerdicts, kChunk / kBundleWidth> of_boxes;
     std::array<detail::LaneResult, kChunk> of_cores;
     std::size_t box_count = 0, core_count = 0;
 };
@@ -146,7 +148,7 @@ void find_verdicts(const Batch& batch, std::size_t first, std::span<Overlap> out
     detail::overlap_boxes({chunk.boxes.data(), chunk.box_count}, of_boxes.data());
     detail::search_cores({chunk.cores.data(), chunk.core_count}, detail::LaneGoal::Verdict, of_cores.data());
     std::ranges::fill(out, Overlap::Undecided);
-    for (std::size_t k = 0; k < chunk.box_count; ++k) out[chunk.box_of[k]] = of_boxes[k];
+    for (std::size_t k = 0; k < chunk.box_count; ++k) out[chunk.box_of[k]] = of_boxes[k / kBundleWidth].of(k % kBundleWidth);
     for (std::size_t k = 0; k < chunk.core_count; ++k) out[chunk.core_of[k]] = of_cores[k].verdict;
     for (std::size_t i = 0; i < out.size(); ++i) {
         if (out[i] == Overlap::Undecided) out[i] = batch.verdict_of(first + i);

@@ -1,5 +1,7 @@
 #include <carom/narrowphase/detail/convex_query.hpp>
 
+#include <carom/narrowphase/detail/box_verdict.hpp>
+
 #include <glm/geometric.hpp>
 
 #include <algorithm>
@@ -107,6 +109,11 @@ DistanceResult pair_distance(const Shape& a, const Pose& pose_a, const Shape& b,
 Overlap pair_overlaps(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b, DistanceCache* cache) noexcept {
     if (const std::optional<PlaneHeight> h = plane_height(a, pose_a, b, pose_b)) {
         return h->height > h->rounding ? Overlap::Apart : h->height < -h->rounding ? Overlap::Overlapping : Overlap::Undecided;
+    }
+    const Box *const box_a = std::get_if<Box>(&a), *const box_b = std::get_if<Box>(&b);
+    if (box_a != nullptr && box_b != nullptr) {
+        const Overlap verdict = judge_boxes(box_a->half_extents, pose_a, box_b->half_extents, pose_b);
+        if (verdict != Overlap::Undecided) return verdict;
     }
     const CorePair pair = core_pair(a, pose_a, b, pose_b);
     const double radii = pair.a.radius + pair.b.radius;

@@ -4,11 +4,10 @@
 #define HWY_TARGET_INCLUDE <carom/narrowphase/detail/overlap_boxes.cpp>
 #include <hwy/foreach_target.h>
 
+#include <carom/core/bundle.hpp>
 #include <carom/core/lanes.hpp>
 #include <carom/narrowphase/detail/pair_lanes.hpp>
 #include <carom/narrowphase/detail/place_lanes.hpp>
-
-#include <algorithm>
 
 HWY_BEFORE_NAMESPACE();
 namespace carom::detail::HWY_NAMESPACE {
@@ -73,30 +72,35 @@ HWY_INLINE void write_half(const vec3* half, float* row) {
 #endif
 }
 
-void OverlapBoxes(std::span<const LaneBoxes> pairs, Overlap* verdicts) {
+// Pairs from `first`, as many as there are lanes; beyond the last the first stands in.
+HWY_INLINE LaneVerdicts judge_pairs(std::span<const LaneBoxes> pairs, std::size_t first) {
     constexpr int kRows = kLanes < 4 ? 4 : kLanes;
     alignas(64) float rows[kRows * 12], halves[kRows * 8];
     alignas(64) constexpr std::int32_t kInOrder[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-    for (std::size_t first = 0; first < pairs.size(); first += static_cast<std::size_t>(kLanes)) {
-        const auto count = static_cast<int>(std::min<std::size_t>(static_cast<std::size_t>(kLanes), pairs.size() - first));
-        for (int l = 0; l < kLanes; ++l) {
-            const LaneBoxes& pair = pairs[first + static_cast<std::size_t>(l < count ? l : 0)];
-            write_row(pair.place, rows + 12 * l);
-            write_half(pair.half_a, halves + 8 * l);
-            write_half(pair.half_b, halves + 8 * l + 4);
-        }
-        Floats a[3], b[3], nothing;
-        gather_rows(halves, kInOrder, 8, 0, a[0], a[1], a[2], nothing);
-        gather_rows(halves, kInOrder, 8, 4, b[0], b[1], b[2], nothing);
-        const Placement p = placement_of(rows);
-        const Floats size = ((abs(p.offset[0]) + abs(p.offset[1])) + abs(p.offset[2])) + (((a[0] + a[1]) + a[2]) + ((b[0] + b[1]) + b[2]));
-        const Mask fit = p.fit & (size > Floats(kSmallestLaneSize)) & (size < Floats(kLargestLaneSize));
-        const Verdicts v = judge_axes(p, a, b, size * Floats(kLaneRounding));
-        const unsigned apart = bits(v.apart & fit), clear = bits(fit & (!v.unclear));
-        for (int l = 0; l < count; ++l) {
-            verdicts[first + static_cast<std::size_t>(l)] = (apart >> l & 1u) != 0   ? Overlap::Apart
-                                                            : (clear >> l & 1u) != 0 ? Overlap::Overlapping
-                                                                                     : Overlap::Undecided;
+    for (int l = 0; l < kLanes; ++l) {
+        const std::size_t i = first + static_cast<std::size_t>(l);
+        const LaneBoxes& pair = pairs[i < pairs.size() ? i : 0];
+        write_row(pair.place, rows + 12 * l);
+        write_half(pair.half_a, halves + 8 * l);
+        write_half(pair.half_b, halves + 8 * l + 4);
+    }
+    Floats a[3], b[3], nothing;
+    gather_rows(halves, kInOrder, 8, 0, a[0], a[1], a[2], nothing);
+    gather_rows(halves, kInOrder, 8, 4, b[0], b[1], b[2], nothing);
+    const Placement p = placement_of(rows);
+    const Floats size = ((abs(p.offset[0]) + abs(p.offset[1])) + abs(p.offset[2])) + (((a[0] + a[1]) + a[2]) + ((b[0] + b[1]) + b[2]));
+    const Mask fit = p.fit & (size > Floats(kSmallestLaneSize)) & (size < Floats(kLargestLaneSize));
+    const Verdicts v = judge_axes(p, a, b, size * Floats(kLaneRounding));
+    return {bits(v.apart & fit), bits(fit & (!v.unclear))};
+}
+
+void OverlapBoxes(std::span<const LaneBoxes> pairs, LaneVerdicts* verdicts) {
+    for (std::size_t first = 0; first < pairs.size(); first += kBundleWidth) {
+        LaneVerdicts& all = verdicts[first / kBundleWidth] = {};
+        for (int lane = 0; lane < kBundleWidth; lane += kLanes) {
+            const LaneVerdicts v = judge_pairs(pairs, first + static_cast<std::size_t>(lane));
+            all.apart |= v.apart << lane;
+            all.overlapping |= v.overlapping << lane;
         }
     }
 }
@@ -108,6 +112,6 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace carom::detail {
 HWY_EXPORT(OverlapBoxes);
-void overlap_boxes(std::span<const LaneBoxes> pairs, Overlap* verdicts) { HWY_DYNAMIC_DISPATCH(OverlapBoxes)(pairs, verdicts); }
+void overlap_boxes(std::span<const LaneBoxes> pairs, LaneVerdicts* verdicts) { HWY_DYNAMIC_DISPATCH(OverlapBoxes)(pairs, verdicts); }
 }  // namespace carom::detail
 #endif
