@@ -1,6 +1,6 @@
 #include <carom/narrowphase/detail/convex_core.hpp>
 
-#include <carom/collision/convex_hull.hpp>
+#include <carom/narrowphase/detail/farthest_vertex.hpp>
 #include <carom/narrowphase/detail/kernel.hpp>
 
 #include <glm/common.hpp>
@@ -13,17 +13,6 @@ namespace carom::detail {
 namespace {
 
 double largest(const dvec3& v) noexcept { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
-
-std::uint32_t farthest(std::span<const vec3> points, const dvec3& d) noexcept {
-    std::uint32_t best = 0;
-    double reach = glm::dot(dvec3(points[0]), d);
-    for (std::uint32_t i = 1; i < points.size(); ++i) {
-        const double r = glm::dot(dvec3(points[i]), d);
-        best = r > reach ? i : best;
-        reach = std::max(reach, r);
-    }
-    return best;
-}
 
 // Of a shape's core from its origin, and its radius [m].
 double reach_of(const Shape& shape) noexcept {
@@ -65,7 +54,7 @@ CoreSupport ConvexCore::support(const dvec3& direction) const noexcept {
     if (kind == Kind::Turned) return {solid.support(direction), 0};
     const dvec3 local = direction * axes;
     const auto bit = [&](int k) { return half[k] * local[k] > 0.0 ? 1u << k : 0u; };  // 0 where there is no extent
-    const std::uint32_t index = kind == Kind::Box ? bit(0) + bit(1) + bit(2) : farthest(points, local);
+    const std::uint32_t index = kind == Kind::Box ? bit(0) + bit(1) + bit(2) : farthest_vertex(bundles, local);
     return {place(index), index};
 }
 
@@ -86,6 +75,7 @@ ConvexCore core_of(const Shape& shape, const dquat& orientation, const dvec3& ce
         case ShapeType::ConvexHull:
             core.kind = ConvexCore::Kind::Points;
             core.points = as<ConvexHullPtr>(shape)->vertices();
+            core.bundles = as<ConvexHullPtr>(shape)->vertex_bundles();
             break;
         case ShapeType::Cylinder:
         case ShapeType::Cone:

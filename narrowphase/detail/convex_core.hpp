@@ -4,6 +4,7 @@
 //   CoreSupport s = pair.a.support(direction);
 #pragma once
 
+#include <carom/collision/convex_hull.hpp>
 #include <carom/collision/shapes.hpp>
 #include <carom/core/pose.hpp>
 #include <carom/narrowphase/detail/truncated_cone.hpp>
@@ -25,6 +26,7 @@ struct ConvexCore {
 
     Kind kind = Kind::Box;
     std::span<const vec3> points;  ///< of a hull, in its own frame [m]
+    std::span<const ConvexHull::VertexBundle> bundles;  ///< the same
     dvec3 half{0.0};               ///< of a box, along its axes [m]; a capsule's core has y alone, a sphere's is a point
     dmat3 axes{1.0};               ///< of the shape, each of the length of a metre
     dvec3 centre{0.0};

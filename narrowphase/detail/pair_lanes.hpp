@@ -5,9 +5,10 @@
 //
 // Both bring a pair into A's frame, in float, and call S = |t|_1 + reach_a + reach_b (+ radii), t from A's origin to B's. What floats do to
 // a separation along a unit direction, or to a point of the difference, is below E = 2^-16 S:
-// - quaternions are rounded to float (2^-24 a component) and are of unit length to 2^-20; their product and its matrix add 20 roundings to
-//   an entry: a column errs by less than 2^-17.5, so a point of B by as much of reach_b, and t by as much of itself;
-// - products of the result with a unit direction add 8 roundings, and directions that are rounded move a support by no more than 8.
+// - orientations are of unit length to e = 2^-20.5, or the pair is left out: their product's matrix is off by 2 e of a rotation, and rounding of
+//   quaternions, product and matrix adds 20 roundings (2^-24) to an entry: points of B err by 2^-18 of reach_b, t by as much of itself;
+// - the matrix is skew by as much, so that normals of B's faces lie 2^-18 off its axes, which counts as much of S along them;
+// - products with a unit direction add 8 roundings, and directions that are rounded move a support by no more than 8.
 #pragma once
 
 #include <carom/collision/convex_hull.hpp>

@@ -25,7 +25,7 @@ static_assert(offsetof(Pose, position) == 0 && offsetof(Pose, orientation) == 24
 struct Placement {
     Floats rotation[3][3];  ///< [i][j]: component along axis i of A of axis j of B
     Floats offset[3];       ///< from A's origin to B's, along A's axes
-    Mask fit;               ///< both orientations are of unit length to 2^-20, and the offset is finite
+    Mask fit;               ///< both orientations are of unit length to 2^-20.5, and the offset is finite
 };
 
 #if HWY_TARGET == HWY_SCALAR
@@ -78,7 +78,7 @@ HWY_INLINE Placement placement_of(const float* rows) {
     gather_rows(rows, kInOrder, 12, 4, ax, ay, az, aw);
     gather_rows(rows, kInOrder, 12, 8, bx, by, bz, bw);
     const Floats3 u{ax, ay, az}, v{bx, by, bz}, d{dx, dy, dz};
-    const Floats one(1.0f), slack(0x1p-20f);
+    const Floats one(1.0f), slack(0x1p-21f);
     const Mask unit_a = abs((dot(u, u) + aw * aw) - one) < slack, unit_b = abs((dot(v, v) + bw * bw) - one) < slack;
 
     // The conjugate of A's orientation times B's, as a matrix.

@@ -198,7 +198,8 @@ private:
         const Floats v_sq = load(state_.v_sq.lane + lane), far = length(v), plane = dot(v, q.w);
         const auto corner = [&](int k) { return WideCorner(three(state_.w[k]), load(state_.a[k].lane + lane), load(state_.b[k].lane + lane)); };
         const WideSimplex simplex{{corner(0), corner(1), corner(2)}, load(state_.count.lane + lane)};
-        Mask met = (v_sq - plane <= error * far) & (simplex.count > Ints(0));
+        // Nearer than the error, because double goes on from here, and each round of its own costs more.
+        Mask met = (v_sq - plane <= Floats(0x1p-4f) * error * far) & (simplex.count > Ints(0));
         for (int k = 0; k < 3; ++k) {
             met = met | ((simplex.count > Ints(k)) & (simplex.corner[k].a == q.a) & (simplex.corner[k].b == q.b));
         }

@@ -12,6 +12,8 @@ std::span<const StudyGroup> study_catalogue() {
          primitive_studies},
         {"broadphase", "pairs of moving boxes by every method, with margins and cells; which is fastest where, and what the chooser takes",
          broadphase_studies, broadphase_digest},
+        {"sat", "two boxes: verdicts and depths, by axes, primitives, manifolds and polytope; near, touching, deep, thin, far, tiny", sat_studies},
+        {"gjk", "two hulls: verdicts, distances with tolerances and caps, depths; near, touching, deep, thin, far, tiny", gjk_studies},
     };
     return groups;
 }

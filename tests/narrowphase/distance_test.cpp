@@ -1,12 +1,10 @@
 // Distances and depths of convex shapes against exact rationals.
-#include "near_pairs.hpp"
+#include <fuzz/convex_check.hpp>
 
 #include <carom/collision/compound.hpp>
 #include <carom/collision/triangle_mesh.hpp>
 #include <carom/core/check.hpp>
 #include <carom/narrowphase/overlap.hpp>
-
-#include <support/exact_shape.hpp>
 
 #include <gtest/gtest.h>
 
@@ -22,25 +20,6 @@ constexpr ShapeType kPolyhedral[] = {ShapeType::Sphere, ShapeType::Box, ShapeTyp
 constexpr ShapeType kConvex[] = {ShapeType::Sphere,     ShapeType::Box,      ShapeType::Capsule,
                                  ShapeType::ConvexHull, ShapeType::Cylinder, ShapeType::Cone};
 
-// E of distance.hpp, generously.
-double rounding_of(const NearPair& p) {
-    const dvec3 between = p.pose_b.position - p.pose_a.position;
-    return 0x1p-46 * (std::sqrt(glm::dot(between, between)) + 8.0 * p.size);
-}
-
-// What is wrong with the bounds, by exact rationals.
-std::string bounds_fault(const NearPair& p, const DistanceResult& r) {
-    const exact::Solid a = exact::solid(p.a, p.pose_a), b = exact::solid(p.b, p.pose_b);
-    const exact::Rational core_sq = exact::core_distance_sq(a, b), radii = a.radius + b.radius;
-    const bool overlap = core_sq <= exact::square(radii);
-    if (r.status == DistanceStatus::Overlap) return overlap ? "" : "an overlap that is none";
-    if (r.lower > 0.0 && exact::square(exact::number(r.lower) + radii) > core_sq) return "the lower bound is above the distance";
-    if (exact::square(exact::number(r.upper) + radii) < core_sq) return "the upper bound is below the distance";
-    if (r.status == DistanceStatus::Converged && r.upper - r.lower > 4.0 * rounding_of(p)) return "converged bounds are far apart";
-    if (overlap && r.lower > 0.0) return "an overlap is missed";
-    return "";
-}
-
 TEST(Distance, BoundsHoldAgainstExactRationals) {
     Random random(0xd157);
     int converged = 0, apart = 0;
@@ -49,7 +28,7 @@ TEST(Distance, BoundsHoldAgainstExactRationals) {
             for (const ShapeType b : kPolyhedral) {
                 const NearPair p = test::near_pair(random, a, b, condition);
                 const DistanceResult r = distance(p.a, p.pose_a, p.b, p.pose_b);
-                ASSERT_EQ(bounds_fault(p, r), "") << int(condition) << " " << to_string(a) << " " << to_string(b) << " "
+                ASSERT_EQ(test::bounds_fault(p, test::JudgedPair(p), r), "") << int(condition) << " " << to_string(a) << " " << to_string(b) << " "
                                                   << to_string(r.status) << " " << r.lower << " " << r.upper;
                 if (r.lower > 0.0) ++apart, converged += r.status == DistanceStatus::Converged ? 1 : 0;
             }
@@ -65,7 +44,7 @@ TEST(Distance, WitnessesLieOnTheShapesAndAreUpperApart) {
         const NearPair p = test::near_pair(random, kPolyhedral[i % 4], kPolyhedral[(i / 4) % 4], Condition::Random);
         const DistanceResult r = distance(p.a, p.pose_a, p.b, p.pose_b);
         if (r.lower <= 0.0) continue;
-        const double e = rounding_of(p);
+        const double e = test::query_rounding(p);
         EXPECT_NEAR(glm::length(r.on_b - r.on_a), r.upper, 2.0 * e);
         EXPECT_NEAR(glm::length(r.normal), 1.0, 1e-14);
         EXPECT_GT(glm::dot(r.normal, r.on_b - r.on_a), (1.0 - 1e-9) * r.upper - 4.0 * e);
@@ -111,9 +90,9 @@ TEST(Distance, SupportPlanesProveTheLowerBoundOfTurnedShapes) {
             const test::RealVec n = test::real(r.normal);
             const test::Real gap = -reach(p.b, p.pose_b, p.pose_a.position, -n) - reach(p.a, p.pose_a, p.pose_a.position, n);
             ASSERT_GE(gap * (1 + 1e-15L), static_cast<test::Real>(r.lower)) << int(condition) << " " << i;
-            EXPECT_NEAR(glm::length(r.on_b - r.on_a), r.upper, 2.0 * rounding_of(p));
+            EXPECT_NEAR(glm::length(r.on_b - r.on_a), r.upper, 2.0 * test::query_rounding(p));
             ++apart;
-            tight += r.upper - r.lower <= 1e-9 * p.size + 8.0 * rounding_of(p) ? 1 : 0;
+            tight += r.upper - r.lower <= 1e-9 * p.size + 8.0 * test::query_rounding(p) ? 1 : 0;
         }
     }
     EXPECT_GT(apart, 800);
@@ -204,7 +183,7 @@ TEST(Penetration, BoundsHoldTheLeastDepth) {
         };
         const test::Real depth = -test::greatest_separation(solid(p.a, p.pose_a), solid(p.b, p.pose_b)).value;
         const PenetrationResult r = penetration(p.a, p.pose_a, p.b, p.pose_b);
-        const double e = 8.0 * rounding_of(p);
+        const double e = 8.0 * test::query_rounding(p);
         if (depth < -e) {
             EXPECT_EQ(r.upper, 0.0);
             continue;
