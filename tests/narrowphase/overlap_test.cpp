@@ -120,6 +120,34 @@ TEST(Overlap, VerdictsAgainstExactRationals) {
     }
 }
 
+// A tip on a face, a few ulp off: which side it is on only exact numbers tell, and no verdict may say more than they do.
+TEST(Overlap, ATipWithinAnUlpOfAFaceIsNeverTakenForTheOtherSide) {
+    Random random(0x71b);
+    std::vector<vec3> cube, tips;
+    for (int k = 0; k < 8; ++k) cube.push_back({k & 1 ? 1 : -1, k & 2 ? 1 : -1, k & 4 ? 1 : -1});
+    for (int k = 0; k < 3; ++k) {
+        vec3 tip{0.0f};
+        tip[k] = 0.4f;
+        tips.insert(tips.end(), {tip, -tip});
+    }
+    const Shape block = test::hull_of(cube), spike = test::hull_of(tips);
+    int over = 0, under = 0;
+    for (int i = 0; i < 4000; ++i) {
+        Pose pose{{2.0, random.range(-0.3, 0.3), random.range(-0.3, 0.3)}, test::random_rotation(random)};
+        double lowest = 2.0;
+        for (const vec3& tip : tips) lowest = std::min(lowest, transform_point(pose, dvec3(tip)).x);
+        pose.position.x += (1.0 - lowest) + std::floor(random.range(-3.0, 4.0)) * 0x1p-52;
+        const exact::Solid b = exact::solid(spike, pose);
+        exact::Rational gap = 2;
+        for (const exact::Vec& corner : b.corners) gap = std::min(gap, exact::Rational(corner.x - 1));
+        (gap.sign() > 0 ? over : under) += 1;
+        const Overlap verdict = overlaps(block, {}, spike, pose);
+        ASSERT_NE(verdict, gap.sign() > 0 ? Overlap::Overlapping : Overlap::Apart) << i << " gap " << static_cast<double>(gap);
+    }
+    EXPECT_GT(over, 1000);
+    EXPECT_GT(under, 1000);
+}
+
 TEST(Overlap, TouchingIsUndecidedOrOverlapping) {
     const Shape cube = Box{{1, 1, 1}}, ball = Sphere{1.0f};
     for (const dvec3& p : {dvec3{2, 0, 0}, dvec3{2, 2, 0}, dvec3{2, 2, 2}, dvec3{2, 0.5, 0.25}}) {
