@@ -61,7 +61,7 @@ struct DistanceResult {
 /// <= 4 E + tolerance * upper for flat shapes. With cylinders and cones it is 1e-12 of the distance more, and near contact Rounding leaves
 /// the bounds up to 1e-9 of the size apart (1e-7 for shapes thinner than a thousandth).
 /// Misuse (a null hull, a mesh, a compound, two planes: WrongType; a pose that is not finite; settings out of range) is reported and gives
-/// an empty result: [0, inf), Stopped. Cost: 0.1 to 1 µs; no allocation; thread-safe.
+/// an empty result: [0, inf), Stopped. Cost: 1 to 3 µs for hulls, some 6 µs where shapes touch; no allocation; thread-safe.
 [[nodiscard]] DistanceResult distance(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b,
                                       const DistanceSettings& settings = {}, DistanceCache* cache = nullptr);
 
@@ -82,7 +82,7 @@ struct PenetrationResult {
 /// Whatever overlaps() calls Overlapping has lower >= 0, upper > 0 and a unit normal here, and upper - lower is below 1e-9 of the size for
 /// boxes and hulls of up to some 32 vertices; of larger hulls and round shapes the polytope may end at 128 points with bounds farther apart.
 /// @param a, b  as for distance(), misuse too.
-/// Cost: 2 to 50 µs; no allocation; thread-safe.
+/// Cost: 2 to 8 µs for boxes and small hulls; no allocation; thread-safe.
 [[nodiscard]] PenetrationResult penetration(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b);
 
 /// The distance of each of the pairs, as distance() has it; margins are not read.

@@ -17,8 +17,7 @@ enum class Overlap : unsigned char { Apart, Overlapping, Undecided };
 /// @param a, b, cache  as for distance(), misuse too, which gives Undecided.
 /// Accuracy: Undecided only within 8 E of touching, E as in distance(), for two boxes, and for other flat shapes if none is thin: where the
 /// thickness is a share s of the size, E / s. With cylinders and cones within 1e-9 of the size.
-/// Cost: two boxes 0.05 µs, others 0.1 to 1 µs, some 10 µs for those that touch and for hulls whose centres coincide; no allocation;
-/// thread-safe.
+/// Cost: two boxes 0.15 µs, two hulls of 14 vertices 0.5 to 1.5 µs, some 6 µs where shapes touch; no allocation; thread-safe.
 [[nodiscard]] Overlap overlaps(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b, DistanceCache* cache = nullptr);
 
 /// The verdicts of many pairs; margins are not read.

@@ -11,7 +11,7 @@
 namespace carom::detail {
 
 /// @return the lowest number of those whose dot product with `direction`, (x + y) + z rounded in double, is the largest: the same at
-/// every SIMD width. @param vertices  one bundle at least; `direction` finite. Cost: 10 ns for 32 vertices.
+/// every SIMD width. @param vertices  one bundle at least; `direction` finite.
 [[nodiscard]] std::uint32_t farthest_vertex(std::span<const ConvexHull::VertexBundle> vertices, const dvec3& direction) noexcept;
 
 }  // namespace carom::detail
