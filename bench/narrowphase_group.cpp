@@ -1,5 +1,6 @@
 #include <carom/bench/narrowphase_group.hpp>
 
+#include <carom/bench/convex_group.hpp>
 #include <carom/bench/fcl_mesh.hpp>
 #include <carom/collision/mesh_pairs.hpp>
 #include <carom/core/random.hpp>
@@ -95,7 +96,9 @@ Row row(const GroupRequest& request, const char* bench, const Tally& tally, cons
 Result<std::vector<Row>> run_narrowphase_group(const GroupRequest& request) {
     const auto wanted = [&](const char* bench) { return fmt::format("{}/fcl", bench).find(request.filter) != std::string::npos; };
     const bool build = wanted("mesh/build"), boolean = wanted("mesh/boolean"), all = wanted("mesh/all");
+    std::vector<Row> rows = run_convex_rows(request);
     if (!build && !boolean && !all) {
+        if (!rows.empty()) return rows;
         return Error{ErrorCode::UnknownName, fmt::format("no row of the group matches \"{}\"", request.filter), "filter"};
     }
     const MeshData data = scenes::bumpy(scenes::kBumpy70k);
@@ -109,7 +112,6 @@ Result<std::vector<Row>> run_narrowphase_group(const GroupRequest& request) {
         tally.carom_ms += (middle - start) / kPasses;
         tally.peer_ms += (cpu_now() - middle) / kPasses;
     }
-    std::vector<Row> rows;
     if (build) rows.push_back(row(request, "mesh/build", tally, nullptr));
 
     const Result<StaticBvh> bvh = StaticBvh::build(data.vertices, data.triangles);

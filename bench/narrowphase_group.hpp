@@ -1,4 +1,4 @@
-// The group `narrowphase`: mesh against mesh by Carom and FCL.
+// The group `narrowphase`: boxes, hulls and meshes in pairs, by Carom and FCL.
 //
 //   Result<std::vector<Row>> rows = run_narrowphase_group({.filter = "mesh/all", .table = stdout});
 #pragma once
@@ -7,7 +7,7 @@
 
 namespace carom::bench {
 
-/// Rows mesh/build, mesh/boolean and mesh/all against `fcl`: the ball of bumps of 69,312 triangles with itself at 100 poses, of which
+/// The rows of convex_group.hpp, then mesh/build, mesh/boolean and mesh/all against `fcl`: the ball of bumps of 69,312 triangles with itself at 100 poses, of which
 /// most touch. Seed 11; a uniform random rotation and a direction, both redrawn while their length is over 1 or under .1, and a distance
 /// r(1.6, 2.25). The contenders take turns pose by pose, three times over; CPU time of the process. Times are a query's, or a build's.
 /// Quality: pairs, or poses that touch.

@@ -32,7 +32,7 @@ struct Group {
 constexpr Group kGroups[] = {
     {"step", "whole steps against Bullet and ODE", run_step_group},
     {"rays", "single rays against Embree", run_rays_group},
-    {"narrowphase", "mesh against mesh against FCL", run_narrowphase_group},
+    {"narrowphase", "boxes, hulls and meshes in pairs against FCL", run_narrowphase_group},
     {"broadphase", "pairs of moving boxes against Bullet, FCL and CGAL", run_broadphase_group},
 };
 

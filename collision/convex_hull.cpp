@@ -7,6 +7,7 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <optional>
 #include <string>
@@ -117,6 +118,18 @@ std::optional<Polyhedron> merge(std::span<const dvec3> exact_points, std::vector
 
 Error failure(ErrorCode code, std::string message) { return {code, std::move(message), "ConvexHull::build"}; }
 
+std::vector<ConvexHull::VertexBundle> bundled(std::span<const vec3> vertices) {
+    std::vector<ConvexHull::VertexBundle> bundles(bundle_count(vertices.size()));
+    for (std::size_t i = 0; i < bundles.size() * kBundleWidth; ++i) {
+        const vec3& v = vertices[i < vertices.size() ? i : 0];
+        ConvexHull::VertexBundle& bundle = bundles[i / kBundleWidth];
+        bundle.x.lane[i % kBundleWidth] = v.x;
+        bundle.y.lane[i % kBundleWidth] = v.y;
+        bundle.z.lane[i % kBundleWidth] = v.z;
+    }
+    return bundles;
+}
+
 }  // namespace
 
 Result<ConvexHullPtr> ConvexHull::build(std::span<const vec3> points) {
@@ -145,6 +158,10 @@ Result<ConvexHullPtr> ConvexHull::build(std::span<const vec3> points) {
     std::shared_ptr<ConvexHull> hull(new ConvexHull);
     hull->vertices_.reserve(merged->vertices.size());
     for (const dvec3& v : merged->vertices) hull->vertices_.emplace_back(v);
+    hull->vertex_bundles_ = bundled(hull->vertices_);
+    double reach_sq = 0.0;
+    for (const vec3& v : hull->vertices_) reach_sq = std::max(reach_sq, glm::dot(dvec3(v), dvec3(v)));
+    hull->reach_ = std::sqrt(reach_sq) * (1.0 + 0x1p-50);
     hull->faces_ = std::move(merged->surface.faces);
     hull->edges_ = std::move(merged->surface.edges);
     hull->fill_bundles();

@@ -7,6 +7,7 @@
 #include <carom/collision/aabb.hpp>
 #include <carom/collision/polytope_bundles.hpp>
 #include <carom/collision/shapes.hpp>
+#include <carom/core/bundle.hpp>
 #include <carom/core/types.hpp>
 
 #include <cstdint>
@@ -40,7 +41,14 @@ public:
     /// a plane except by rounding in double. Cost: O(n log n) expected; about 20 µs for 12 points.
     [[nodiscard]] static Result<ConvexHullPtr> build(std::span<const vec3> points);
 
+    /// Sixteen vertices as lanes read them.
+    struct VertexBundle {
+        FloatBundle x, y, z;  ///< [m]
+    };
+
     [[nodiscard]] std::span<const vec3> vertices() const noexcept { return vertices_; }
+    /// @return the vertices once more, vertex i in lane i mod 16 of bundle i div 16; lanes beyond the last repeat vertex 0.
+    [[nodiscard]] std::span<const VertexBundle> vertex_bundles() const noexcept { return vertex_bundles_; }
     [[nodiscard]] std::span<const Face> faces() const noexcept { return faces_; }
     [[nodiscard]] std::span<const HalfEdge> edges() const noexcept { return edges_; }
     [[nodiscard]] static constexpr std::uint32_t twin(std::uint32_t edge) noexcept { return edge ^ 1u; }
@@ -52,6 +60,8 @@ public:
     /// Box of the vertices, and their mean, which lies inside.
     [[nodiscard]] const Aabb& local_bounds() const noexcept { return bounds_; }
     [[nodiscard]] const dvec3& centre() const noexcept { return centre_; }
+    /// @return the largest distance of a vertex from the origin [m], rounded up.
+    [[nodiscard]] double reach() const noexcept { return reach_; }
 
     /// @return the index of a vertex farthest along `direction` (any length, not zero); ties go to the lowest index.
     [[nodiscard]] std::uint32_t support(const dvec3& direction) const noexcept;
@@ -60,6 +70,8 @@ private:
     ConvexHull() = default;
     void fill_bundles();
     std::vector<vec3> vertices_;
+    std::vector<VertexBundle> vertex_bundles_;
+    double reach_ = 0.0;
     std::vector<Face> faces_;
     std::vector<HalfEdge> edges_;
     std::vector<PointBundle> point_bundles_;

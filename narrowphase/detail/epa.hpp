@@ -5,6 +5,7 @@
 #pragma once
 
 #include <carom/core/types.hpp>
+#include <carom/narrowphase/detail/convex_core.hpp>
 #include <carom/narrowphase/detail/truncated_cone.hpp>
 
 #include <span>
@@ -16,6 +17,7 @@ struct Penetration {
     double depth = 0.0;   ///< the overlap along `normal`: moving b by it parts the two [m]
     dvec3 on_a{0.0};      ///< where they touch then, on a and on b
     dvec3 on_b{0.0};
+    double floor = 0.0;   ///< of two cores: no direction has less depth than this, but for the rounding of support points [m]
     bool proven = false;  ///< no direction has less depth, but for 1e-6 of the size
 };
 
@@ -41,5 +43,7 @@ struct KnownDirection {
 /// 25 µs). No allocation.
 [[nodiscard]] Penetration penetration(const TruncatedCone& a, std::span<const dvec3> b, double size, const KnownDirection& known) noexcept;
 [[nodiscard]] Penetration penetration(const TruncatedCone& a, const TruncatedCone& b, double size, const KnownDirection& known) noexcept;
+/// The same of two cores, with `floor`.
+[[nodiscard]] Penetration penetration(const ConvexCore& a, const ConvexCore& b, double size) noexcept;
 
 }  // namespace carom::detail

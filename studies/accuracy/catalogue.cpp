@@ -14,6 +14,8 @@ std::span<const StudyGroup> study_catalogue() {
          broadphase_studies, broadphase_digest},
         {"meshmesh", "pairs of triangles of two meshes: crossing, nearly touching, touching, in one plane, coincident, tiny, far",
          meshmesh_studies},
+        {"sat", "two boxes: verdicts and depths, by axes, primitives, manifolds and polytope; near, touching, deep, thin, far, tiny", sat_studies},
+        {"gjk", "two hulls: verdicts, distances with tolerances and caps, depths; near, touching, deep, thin, far, tiny", gjk_studies},
     };
     return groups;
 }

@@ -52,5 +52,8 @@ struct StudyGroup {
 [[nodiscard]] std::vector<Study> broadphase_studies(const StudyOptions& options);
 /// Pairs of triangles of two meshes.
 [[nodiscard]] std::vector<Study> meshmesh_studies(const StudyOptions& options);
+/// Boxes, and hulls, in pairs; convex_cases.hpp has the cases.
+[[nodiscard]] std::vector<Study> sat_studies(const StudyOptions& options);
+[[nodiscard]] std::vector<Study> gjk_studies(const StudyOptions& options);
 
 }  // namespace carom::accuracy

@@ -1,0 +1,111 @@
+#include <carom/narrowphase/detail/convex_core.hpp>
+
+#include <carom/narrowphase/detail/farthest_vertex.hpp>
+#include <carom/narrowphase/detail/kernel.hpp>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace carom::detail {
+namespace {
+
+double largest(const dvec3& v) noexcept { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
+
+// Of a shape's core from its origin, and its radius [m].
+double reach_of(const Shape& shape) noexcept {
+    switch (type_of(shape)) {
+        case ShapeType::Box: return glm::length(dvec3(as<Box>(shape).half_extents)) * (1.0 + 0x1p-50);
+        case ShapeType::Capsule: return static_cast<double>(as<Capsule>(shape).half_segment);
+        case ShapeType::ConvexHull: return as<ConvexHullPtr>(shape)->reach();
+        case ShapeType::Cylinder:
+        case ShapeType::Cone: {
+            const TruncatedCone solid = truncated_cone(shape, dmat3{1.0}, dvec3{0.0});
+            const double h = solid.half_height, r = solid.largest_radius();
+            return std::sqrt(h * h + r * r) * (1.0 + 0x1p-50);
+        }
+        default: return 0.0;
+    }
+}
+
+double radius_of(const Shape& shape) noexcept {
+    if (const Sphere* sphere = std::get_if<Sphere>(&shape)) return static_cast<double>(sphere->radius);
+    if (const Capsule* capsule = std::get_if<Capsule>(&shape)) return static_cast<double>(capsule->radius);
+    return 0.0;
+}
+
+}  // namespace
+
+std::uint32_t ConvexCore::count() const noexcept {
+    if (kind == Kind::Points) return static_cast<std::uint32_t>(points.size());
+    return kind == Kind::Box ? 8 : 0;
+}
+
+dvec3 ConvexCore::place(std::uint32_t index) const noexcept {
+    if (kind == Kind::Box) {
+        return centre + axes * dvec3{index & 1 ? half.x : -half.x, index & 2 ? half.y : -half.y, index & 4 ? half.z : -half.z};
+    }
+    return centre + axes * dvec3(points[index]);
+}
+
+CoreSupport ConvexCore::support(const dvec3& direction) const noexcept {
+    if (kind == Kind::Turned) return {solid.support(direction), 0};
+    const dvec3 local = direction * axes;
+    const auto bit = [&](int k) { return half[k] * local[k] > 0.0 ? 1u << k : 0u; };  // 0 where there is no extent
+    const std::uint32_t index = kind == Kind::Box ? bit(0) + bit(1) + bit(2) : farthest_vertex(bundles, local);
+    return {place(index), index};
+}
+
+ConvexCore core_of(const Shape& shape, const dquat& orientation, const dvec3& centre, double scale) noexcept {
+    ConvexCore core;
+    const dmat3 axes = glm::mat3_cast(orientation);
+    core.axes = scale * axes;
+    core.centre = centre;
+    core.radius = scale * radius_of(shape);
+    core.reach = scale * reach_of(shape);
+    switch (type_of(shape)) {
+        case ShapeType::Box:
+            core.half = dvec3(as<Box>(shape).half_extents);
+            break;
+        case ShapeType::Capsule:
+            core.half.y = static_cast<double>(as<Capsule>(shape).half_segment);
+            break;
+        case ShapeType::ConvexHull:
+            core.kind = ConvexCore::Kind::Points;
+            core.points = as<ConvexHullPtr>(shape)->vertices();
+            core.bundles = as<ConvexHullPtr>(shape)->vertex_bundles();
+            break;
+        case ShapeType::Cylinder:
+        case ShapeType::Cone:
+            core.kind = ConvexCore::Kind::Turned;
+            core.solid = truncated_cone(shape, axes, centre);
+            core.solid.half_height *= scale;
+            core.solid.lower_radius *= scale;
+            core.solid.upper_radius *= scale;
+            break;
+        default:
+            break;
+    }
+    return core;
+}
+
+CorePair core_pair(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b) noexcept {
+    CorePair pair;
+    // A quarter of the way, which does not overflow.
+    const dvec3 quarter = 0.25 * pose_b.position - 0.25 * pose_a.position;
+    const double size = std::max({largest(quarter), reach_of(a) + radius_of(a), reach_of(b) + radius_of(b)});
+    int exponent = 0;
+    std::frexp(size, &exponent);  // size is below 2^exponent
+    exponent = std::min(exponent, 1020);
+    const double shrink = std::ldexp(1.0, -exponent);
+    pair.unit = std::ldexp(1.0, exponent);
+    const dvec3 between = (4.0 * shrink) * quarter;
+    pair.a = core_of(a, pose_a.orientation, dvec3{0.0}, shrink);
+    pair.b = core_of(b, pose_b.orientation, between, shrink);
+    pair.rounding = 0x1p-46 * (glm::length(between) + pair.a.reach + pair.b.reach + pair.a.radius + pair.b.radius);
+    return pair;
+}
+
+}  // namespace carom::detail

@@ -1,0 +1,59 @@
+// The simplex of the GJK algorithm: up to four points of the difference of two sets, and the part of it nearest to the origin.
+//
+//   simplex.add(support, 1.0);
+//   simplex = nearest(simplex, false);          // only the corners that hold the nearest point, with their weights
+//   dvec3 v = simplex.point();
+#pragma once
+
+#include <carom/core/types.hpp>
+
+#include <glm/geometric.hpp>
+
+#include <array>
+#include <cstddef>
+
+namespace carom::detail {
+
+/// A point of the difference.
+struct Corner {
+    dvec3 w{0.0};  // on_a - on_b
+    dvec3 on_a{0.0};
+    dvec3 on_b{0.0};
+    std::size_t index_a = 0, index_b = 0;
+    double weight = 1.0;
+};
+
+/// Corners whose weights give its point.
+struct Simplex {
+    std::array<Corner, 4> corners;
+    int count = 0;
+
+    [[nodiscard]] const Corner& operator[](int i) const noexcept { return corners[static_cast<std::size_t>(i)]; }
+    void add(const Corner& c, double weight) noexcept {
+        corners[static_cast<std::size_t>(count)] = c;
+        corners[static_cast<std::size_t>(count++)].weight = weight;
+    }
+    [[nodiscard]] dvec3 point() const noexcept {
+        dvec3 sum{0.0};
+        for (int i = 0; i < count; ++i) sum += (*this)[i].weight * (*this)[i].w;
+        return sum;
+    }
+};
+
+[[nodiscard]] inline bool same(const Corner& a, const Corner& b) noexcept {
+    return a.index_a == b.index_a && a.index_b == b.index_b && a.w == b.w;
+}
+
+[[nodiscard]] inline double length_sq(const Simplex& s) noexcept {
+    const dvec3 p = s.point();
+    return glm::dot(p, p);
+}
+
+[[nodiscard]] Simplex nearest_on_segment(const Corner& a, const Corner& b) noexcept;
+
+/// The part of the simplex that is nearest to the origin; all four corners of a tetrahedron that holds it.
+/// @param curved  for support points of curved surfaces, which make triangles and tetrahedra so thin that rounding decides on which side
+///                of them the origin lies: tries all parts and measures.
+[[nodiscard]] Simplex nearest(const Simplex& simplex, bool curved) noexcept;
+
+}  // namespace carom::detail

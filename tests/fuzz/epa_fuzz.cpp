@@ -1,0 +1,7 @@
+// libFuzzer on convex_check.hpp: every input is a pair of raw bits; exact rationals judge the depths of convex shapes.
+#include "convex_check.hpp"
+#include "report.hpp"
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size) {
+    return carom::test::report(carom::test::epa_fault({data, size}));
+}
