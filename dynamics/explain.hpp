@@ -21,9 +21,9 @@ namespace carom {
 enum class Rung : unsigned char {
     SameBody,      ///< shapes of one body do not meet
     NoShapes,      ///< one of the bodies has none
-    NoStep,        ///< no step has been done yet, or none that looked for contacts
-    OutOfStep,     ///< a shape came, changed or was quarantined since, so that the last step knew another one or none
     Filter,        ///< neither is dynamic, or layers and masks do not agree
+    NoStep,        ///< no step has been done yet, or the last one looked for no contacts
+    OutOfStep,     ///< a shape came or changed since, or its body is quarantined: the last step knew another one or none
     Bounds,        ///< the boxes around the predicted motion do not overlap; of a plane: the box does not come near it
     PairLimit,     ///< more boxes overlap than WorldDef::pair_limit
     Distance,      ///< farther apart than the margin of the step
@@ -31,7 +31,7 @@ enum class Rung : unsigned char {
     Touch,         ///< at least one contact touches
 };
 
-/// @return "same body", "no shapes", "no step", "out of step", "filter", "bounds", "pair limit", "distance", "margin", "touch".
+/// @return "same body", "no shapes", "filter", "no step", "out of step", "bounds", "pair limit", "distance", "margin", "touch".
 [[nodiscard]] const char* to_string(Rung rung) noexcept;
 
 /// Layers, masks and who moves, of the two shapes.
