@@ -63,7 +63,8 @@ public:
 
         const ProxySet& proxies = w_.proxies;
         NumberedPair listed = listed_order(proxies, a.slot, b.slot);
-        pair.origin = proxies.poses[a.slot].position;
+        pair.pose_a = proxies.poses[a.slot];
+        pair.pose_b = proxies.poses[b.slot];
         const bool both_planes = proxies.kinds[listed.a] == ProxyKind::Plane;
         if (both_planes) return pair;  // neither moves, or they are out of step: the filter has ended it
         pair.bounds = bounds_of(a.slot, b.slot);

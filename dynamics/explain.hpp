@@ -65,7 +65,7 @@ struct ShapePairExplanation {
     std::optional<BoundsFinding> bounds;
     std::optional<BroadphaseFinding> broadphase;
     std::optional<PairExplanation> contact;  ///< from a to b, at the start of the last step, with the step's margin; 0 where it gave none
-    dvec3 origin{0.0};                       ///< world position that `contact` is relative to: of shape_a then [m]
+    Pose pose_a{}, pose_b{};                 ///< of the shapes then, in the world; `contact` counts from pose_a.position
 };
 
 struct ContactExplanation {
