@@ -12,6 +12,9 @@ std::span<const StudyGroup> study_catalogue() {
          primitive_studies},
         {"broadphase", "pairs of moving boxes by every method, with margins and cells; which is fastest where, and what the chooser takes",
          broadphase_studies, broadphase_digest},
+        {"manifolds", "contacts of boxes, hulls and meshes: depth, normal, the area that few points span, and how steady their names are",
+         manifold_studies},
+        {"probes", "wheels of rays on terrain, steps and rails: contacts missed against the number of rays", probe_studies},
     };
     return groups;
 }

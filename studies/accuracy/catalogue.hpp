@@ -50,5 +50,9 @@ struct StudyGroup {
 [[nodiscard]] std::vector<Study> primitive_studies(const StudyOptions& options);
 /// Broadphase methods; box_crowd.hpp has the cases, winner_map.hpp what they add up to.
 [[nodiscard]] std::vector<Study> broadphase_studies(const StudyOptions& options);
+/// Contact manifolds; manifold_cases.hpp has the measures.
+[[nodiscard]] std::vector<Study> manifold_studies(const StudyOptions& options);
+/// Wheels of rays against the wheels themselves.
+[[nodiscard]] std::vector<Study> probe_studies(const StudyOptions& options);
 
 }  // namespace carom::accuracy

@@ -138,7 +138,7 @@ TEST(Probe, EveryContactIsTheNearestThatItsRayMeets) {
 TEST(Probe, WhatIsNarrowPassesBetweenTheRaysUntilThereAreEnough) {
     const Shape rail = Box{{5.0f, 0.5f, 0.01f}};
     Ground ground;
-    ground.add(rail, {{0, -0.9, 0.12}});
+    ground.add(rail, {{0, -0.9, 0.16}});
     RayProbe wheel{.angle = kPi, .rays = 8, .radius = 0.5};
     EXPECT_TRUE(ground.feel(wheel, {}).empty());
     wheel.rays = 128;
