@@ -16,6 +16,7 @@ namespace carom::cli {
 
 struct WhyPictureOptions {
     std::string picture;  ///< path of a PNG; empty: none
+    std::string size = "1600x1000";
     std::string vtk;      ///< folder of frames.pvd; empty: none
 };
 

@@ -216,12 +216,12 @@ ManifoldCasesPtr resting_cases(std::size_t count, std::uint64_t seed) {
     return cases;
 }
 
-ManifoldCasesPtr ground_cases(std::size_t count, int triangles, std::uint64_t seed) {
+ManifoldCasesPtr ground_cases(std::size_t count, int triangles, bool turned, std::uint64_t seed) {
     auto cases = std::make_shared<ManifoldCases>();
     Random random(seed);
     const Shape ground = ground_of(triangles);
     for (std::size_t i = 0; i < count; ++i) {
-        const Shape solid = any_solid(random, static_cast<int>(i % 6));
+        const Shape solid = any_solid(random, static_cast<int>(turned ? 4 + i % 2 : i % 4));
         const dquat orientation = any_turn(random);
         // bounds() is tight for these but for roundings of 2^-46, rounded outward.
         const double lowest = bounds(solid, {dvec3{0.0}, orientation}).lower.y;

@@ -48,9 +48,9 @@ enum class Depth { Any, Wedged };
 /// Boxes that rest on each other face to face, each turned and moved in the plane; the area is that of the cut of the two rectangles.
 [[nodiscard]] ManifoldCasesPtr resting_cases(std::size_t count, std::uint64_t seed);
 
-/// Boxes, hulls, spheres, capsules, cylinders and cones in flat ground, tilted; the depth is that of the deepest point.
+/// Boxes, hulls, spheres and capsules, or cylinders and cones, in flat ground, tilted; the depth is that of the deepest point.
 /// @param triangles  0: the ground is a half-space; otherwise a mesh of so many, an even square.
-[[nodiscard]] ManifoldCasesPtr ground_cases(std::size_t count, int triangles, std::uint64_t seed);
+[[nodiscard]] ManifoldCasesPtr ground_cases(std::size_t count, int triangles, bool turned, std::uint64_t seed);
 
 /// The same pairs with B moved by `share` of the size in an even direction and turned by as much [rad].
 [[nodiscard]] ManifoldCasesPtr moved(const ManifoldCases& cases, double share, std::uint64_t seed);
