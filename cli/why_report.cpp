@@ -158,6 +158,13 @@ Json contact_json(const PairExplanation& c) {
             {"patch", patch}};
 }
 
+Json found_json(const StepContacts& f) {
+    return {{"manifolds", f.manifolds},
+            {"points", f.points},
+            {"least_separation", f.points == 0 ? Json(nullptr) : Json(f.least_separation)},
+            {"carried", f.carried}};
+}
+
 Json pair_json(const ShapePairExplanation& p, const World& world) {
     const auto shape = [&](ShapeId id) { return Json{{"number", id.slot}, {"type", to_string(type_of(world.shape(id)))}}; };
     return {{"shape_a", shape(p.shape_a)},
@@ -167,6 +174,7 @@ Json pair_json(const ShapePairExplanation& p, const World& world) {
             {"bounds", p.bounds ? bounds_json(*p.bounds) : Json(nullptr)},
             {"broadphase", p.broadphase ? broadphase_json(*p.broadphase) : Json(nullptr)},
             {"origin", vector_json(p.pose_a.position)},
+            {"found", p.found ? found_json(*p.found) : Json(nullptr)},
             {"contact", p.contact ? contact_json(*p.contact) : Json(nullptr)}};
 }
 
@@ -190,6 +198,10 @@ std::string to_text(const ContactExplanation& why) {
         if (pair.bounds) text += bounds_text(*pair.bounds);
         if (pair.broadphase) text += broadphase_text(*pair.broadphase);
         if (pair.contact) text += contact_text(*pair.contact);
+        if (pair.found && pair.found->carried) {
+            text += line("step", fmt::format("carried {} points along from a step before, the nearest at {:.6g} m", pair.found->points,
+                                             pair.found->least_separation));
+        }
     }
     return text + why.sentence + "\n";
 }

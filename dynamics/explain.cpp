@@ -6,7 +6,7 @@
 #include <carom/dynamics/detail/world_impl.hpp>
 
 #include <algorithm>
-#include <cstring>
+#include <cmath>
 #include <span>
 
 namespace carom {
@@ -78,7 +78,7 @@ public:
         }
         add_contact(listed, pair);
         if (!passes) return pair;
-        pair.rung = candidate == nullptr ? (pair.bounds->gap > 0.0 ? Rung::Bounds : Rung::PairLimit) : rung_of(*pair.contact);
+        pair.rung = candidate == nullptr ? (pair.bounds->gap > 0.0 ? Rung::Bounds : Rung::PairLimit) : rung_of(*pair.found);
         return pair;
     }
 
@@ -162,7 +162,35 @@ private:
         if (find_candidate(listed) == nullptr) return;
         std::vector<Manifold> anew;
         carom::collide(placed(listed.a, listed.b), 0, anew);
-        if (!same_contacts(anew, contacts_of(listed))) disagree("the contacts of the step are not those of its poses", listed);
+        const std::span<const Manifold> had = contacts_of(listed);
+        pair.found = summary_of(had);
+        pair.found->carried = !same_contacts(anew, had);
+        if (pair.found->carried && !may_be_carried(summary_of(anew), *pair.found, listed)) {
+            disagree("the contacts of the step are not those of its poses", listed);
+        }
+    }
+
+    static StepContacts summary_of(std::span<const Manifold> manifolds) {
+        StepContacts sum;
+        sum.manifolds = manifolds.size();
+        for (const Manifold& m : manifolds) {
+            for (const ContactPoint& point : m.used()) {
+                const auto separation = static_cast<double>(point.separation);
+                if (sum.points++ == 0 || separation < sum.least_separation) sum.least_separation = separation;
+            }
+        }
+        return sum;
+    }
+
+    /// Whether contacts that were carried along may be what they are: depths too large by twice the slack, points up to the slack beyond
+    /// the margin, and nothing where there is something within twice the slack of it.
+    static bool may_be_carried(const StepContacts& anew, const StepContacts& had, const NumberedPair& listed) {
+        const double slack = 2.0 * static_cast<double>(listed.slack), margin = static_cast<double>(listed.margin);
+        if (!(slack > 0.0)) return false;
+        if (anew.points == 0 && had.points == 0) return true;
+        if (anew.points == 0) return had.least_separation >= margin - slack;
+        if (had.points == 0) return anew.least_separation >= margin - slack;
+        return std::abs(anew.least_separation - had.least_separation) <= 1.01 * slack;
     }
 
     [[nodiscard]] std::span<const Manifold> contacts_of(const NumberedPair& listed) const {
@@ -173,12 +201,9 @@ private:
         return std::span(w_.contacts.manifolds).subspan(found->first_manifold, found->manifold_count);
     }
 
-    [[nodiscard]] static Rung rung_of(const PairExplanation& contact) {
-        Rung rung = contact.manifolds.empty() ? Rung::Distance : Rung::Margin;
-        for (const Manifold& m : contact.manifolds) {
-            for (const ContactPoint& point : m.used()) rung = point.separation <= 0.0f ? Rung::Touch : rung;
-        }
-        return rung;
+    [[nodiscard]] static Rung rung_of(const StepContacts& found) {
+        if (found.points == 0) return Rung::Distance;
+        return found.least_separation <= 0.0 ? Rung::Touch : Rung::Margin;
     }
 
     const LastStep& w_;

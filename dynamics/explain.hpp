@@ -10,6 +10,7 @@
 #include <carom/dynamics/world.hpp>
 #include <carom/narrowphase/explain.hpp>
 
+#include <cstddef>
 #include <cstdint>
 #include <optional>
 #include <string>
@@ -56,6 +57,13 @@ struct BroadphaseFinding {
     std::string place;  ///< the cells, interval or node in which the two meet or do not, in one sentence
 };
 
+/// The contacts of the last step between two shapes.
+struct StepContacts {
+    std::size_t manifolds = 0, points = 0;
+    double least_separation = 0.0;  ///< of the points; 0 without any [m]
+    bool carried = false;           ///< not as the poses give them, but carried along from a step before: WorldDef::contact_reuse
+};
+
 /// Two shapes on their way up. What lies beyond the rung that ended it is not there, but for `contact`, which is there for every pair
 /// that the last step knew and that shapes of their kinds may have.
 struct ShapePairExplanation {
@@ -64,7 +72,8 @@ struct ShapePairExplanation {
     std::optional<FilterFinding> filter;
     std::optional<BoundsFinding> bounds;
     std::optional<BroadphaseFinding> broadphase;
-    std::optional<PairExplanation> contact;  ///< from a to b, at the start of the last step, with the step's margin; 0 where it gave none
+    std::optional<StepContacts> found;       ///< what the step had of the two, where it looked at them
+    std::optional<PairExplanation> contact;  ///< measured anew from a to b, at the start of the last step, with the step's margin; 0 where it gave none
     Pose pose_a{}, pose_b{};                 ///< of the shapes then, in the world; `contact` counts from pose_a.position
 };
 

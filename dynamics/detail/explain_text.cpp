@@ -2,7 +2,6 @@
 
 #include <cstddef>
 #include <cstdio>
-#include <limits>
 #include <vector>
 
 namespace carom {
@@ -48,22 +47,6 @@ std::string across(const SeparatingAxis& axis) {
 
 std::string count_of(std::size_t n, const std::string& what) { return std::to_string(n) + " " + what + (n == 1 ? "" : "s"); }
 
-struct Points {
-    std::size_t all = 0;
-    double least = std::numeric_limits<double>::infinity();  // separation [m]
-};
-
-Points points_of(const PairExplanation& contact) {
-    Points points;
-    for (const Manifold& m : contact.manifolds) {
-        for (const ContactPoint& p : m.used()) {
-            ++points.all;
-            if (static_cast<double>(p.separation) < points.least) points.least = static_cast<double>(p.separation);
-        }
-    }
-    return points;
-}
-
 std::string bounds_text(const ShapePairExplanation& pair) {
     if (pair.bounds->axis < 0) return "the bounds of one stay " + metres(pair.bounds->gap) + " above what the plane may reach in the step";
     return "their bounds are " + metres(pair.bounds->gap) + " apart along " + kAxisNames[pair.bounds->axis];
@@ -75,15 +58,14 @@ std::string distance_text(const PairExplanation& contact) {
            metres(contact.margin);
 }
 
-std::string margin_text(const PairExplanation& contact) {
-    return "their nearest contact has a gap of " + metres(points_of(contact).least) + "; within the margin of " + metres(contact.margin) +
+std::string margin_text(const StepContacts& found, double margin) {
+    return "their nearest contact has a gap of " + metres(found.least_separation) + "; within the margin of " + metres(margin) +
            " the solver keeps it from closing further";
 }
 
-std::string touch_text(const PairExplanation& contact) {
-    const Points points = points_of(contact);
-    return "they overlap by " + metres(-points.least) + (contact.axis ? " " + across(*contact.axis) : "") + ", with " +
-           count_of(points.all, "point") + " of contact in " + count_of(contact.manifolds.size(), "manifold");
+std::string touch_text(const StepContacts& found, const PairExplanation& contact) {
+    return "they overlap by " + metres(-found.least_separation) + (contact.axis ? " " + across(*contact.axis) : "") + ", with " +
+           count_of(found.points, "point") + " of contact in " + count_of(found.manifolds, "manifold");
 }
 
 std::string filter_text(const FilterFinding& filter) {
@@ -147,7 +129,7 @@ std::string sentence_of(const ContactExplanation& why) {
     if (why.rung == Rung::SameBody) return "they do not touch because shapes of one body never meet";
     if (why.rung == Rung::NoShapes) return "they do not touch because one of them has no shapes";
     const ShapePairExplanation& pair = why.pairs[why.deciding];
-    if (pair.rung == Rung::Touch) return "they touch because " + touch_text(*pair.contact);
+    if (pair.rung == Rung::Touch) return "they touch because " + touch_text(*pair.found, *pair.contact);
     const std::string no = "they do not touch because ";
     switch (pair.rung) {
         case Rung::Filter: return no + filter_text(*pair.filter);
@@ -156,7 +138,7 @@ std::string sentence_of(const ContactExplanation& why) {
         case Rung::OutOfStep: return no + "the last step did not know both shapes as they are: one came, changed or is quarantined";
         case Rung::Bounds: return no + bounds_text(pair);
         case Rung::PairLimit: return no + "more boxes overlap than the world's limit on pairs lets it keep";
-        case Rung::Margin: return no + margin_text(*pair.contact);
+        case Rung::Margin: return no + margin_text(*pair.found, pair.contact->margin);
         default: return no + distance_text(*pair.contact);
     }
 }

@@ -2,6 +2,7 @@
 
 #include <carom/narrowphase/detail/gjk.hpp>
 #include <carom/narrowphase/detail/kernel.hpp>
+#include <carom/narrowphase/detail/polytope_lanes.hpp>
 #include <carom/narrowphase/detail/tolerances.hpp>
 
 #include <glm/common.hpp>
@@ -13,7 +14,9 @@ namespace carom::detail {
 namespace {
 
 void measure(ConvexPiece& piece) {
-    if (piece.polytope) piece.points = piece.polytope->vertices;
+    if (piece.polytope) {
+        for (std::uint32_t k = 0; k < piece.polytope->vertex_count; ++k) piece.points.push_back(piece.polytope->vertex(k));
+    }
     piece.box = {};
     for (const dvec3& p : piece.points) piece.box = merge(piece.box, {p, p});
     if (piece.turned) piece.box = box_of(*piece.turned);
@@ -57,7 +60,7 @@ PieceSupport ConvexPiece::support(const dvec3& direction) const noexcept {
     }
     const dvec3 middle = sum / static_cast<double>(count) + radius * direction;
     if (!polytope) return {{}, middle, {}};
-    if (count >= 3) return {{SupportKind::Face, face_along(*polytope, direction)}, middle, {}};
+    if (count >= 3) return {{SupportKind::Face, face_along(*polytope, direction).number}, middle, {}};
     if (count == 2) {
         if (const std::optional<std::uint32_t> edge = edge_between(*polytope, first[0], first[1])) {
             return {{SupportKind::Edge, *edge}, middle, {points[first[0]], points[first[1]]}};
@@ -67,10 +70,10 @@ PieceSupport ConvexPiece::support(const dvec3& direction) const noexcept {
 }
 
 std::vector<dvec3> ConvexPiece::corners_of(std::uint32_t face) const {
-    const Polytope::Face& f = polytope->planes[face];
+    const ConvexHull::Face& loop = polytope->loops[face];
     std::vector<dvec3> corners;
-    std::uint32_t edge = f.first_edge;
-    for (std::uint32_t k = 0; k < f.edge_count; ++k, edge = polytope->half_edges[edge].next) corners.push_back(polytope->origin_of(edge));
+    std::uint32_t edge = loop.first_edge;
+    for (std::uint32_t k = 0; k < loop.edge_count; ++k, edge = polytope->half_edges[edge].next) corners.push_back(polytope->origin_of(edge));
     return corners;
 }
 
@@ -88,11 +91,18 @@ ConvexPiece make_piece(const Shape& shape, const dmat3& axes, const dvec3& origi
             piece.radius = static_cast<double>(capsule.radius);
             break;
         }
-        case ShapeType::Box: load_box(piece.polytope.emplace(), dvec3(as<Box>(shape).half_extents), axes, origin); break;
-        case ShapeType::ConvexHull:
-            load_hull_vertices(piece.polytope.emplace(), *as<ConvexHullPtr>(shape), axes, origin);
-            load_hull_faces(*piece.polytope, *as<ConvexHullPtr>(shape), axes, origin);
+        case ShapeType::Box: {
+            const auto polytope = std::make_shared<Polytope>();
+            load_box(*polytope, dvec3(as<Box>(shape).half_extents), axes, origin);
+            piece.polytope = polytope;
             break;
+        }
+        case ShapeType::ConvexHull: {
+            const auto polytope = std::make_shared<Polytope>();
+            load_hull(*polytope, *as<ConvexHullPtr>(shape), axes, origin);
+            piece.polytope = polytope;
+            break;
+        }
         default: piece.turned = truncated_cone(shape, axes, origin); break;
     }
     measure(piece);
@@ -101,8 +111,10 @@ ConvexPiece make_piece(const Shape& shape, const dmat3& axes, const dvec3& origi
 
 ConvexPiece make_triangle(const std::array<dvec3, 3>& corners) {
     ConvexPiece piece;
-    if (!load_triangle(piece.polytope.emplace(), corners)) {
-        piece.polytope.reset();
+    const auto polytope = std::make_shared<Polytope>();
+    if (load_triangle(*polytope, corners)) {
+        piece.polytope = polytope;
+    } else {
         piece.points.assign(corners.begin(), corners.end());
     }
     measure(piece);

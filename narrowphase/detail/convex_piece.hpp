@@ -11,8 +11,8 @@
 #include <carom/narrowphase/explain.hpp>
 
 #include <array>
+#include <memory>
 #include <optional>
-#include <span>
 #include <vector>
 
 namespace carom::detail {
@@ -27,7 +27,7 @@ struct PieceSupport {
 /// A core and a radius round it. The core is a truncated cone, or the hull of points, which are those of a polytope where it is flat.
 struct ConvexPiece {
     std::vector<dvec3> points;              ///< of the core; none of a truncated cone
-    std::optional<Polytope> polytope;       ///< of boxes, hulls and triangles with an area
+    std::shared_ptr<const Polytope> polytope;  ///< of boxes, hulls and triangles with an area; otherwise null
     std::optional<TruncatedCone> turned;
     double radius = 0.0;
     Aabb box;

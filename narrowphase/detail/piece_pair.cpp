@@ -2,6 +2,8 @@
 
 #include <carom/collision/clipping.hpp>
 #include <carom/narrowphase/detail/gjk.hpp>
+#include <carom/narrowphase/detail/polytope_axis.hpp>
+#include <carom/narrowphase/detail/polytope_lanes.hpp>
 #include <carom/narrowphase/detail/segment.hpp>
 #include <carom/narrowphase/detail/segment_polytope.hpp>
 #include <carom/narrowphase/detail/tolerances.hpp>
@@ -103,8 +105,10 @@ private:
 
 // A sphere's or capsule's core in a flat piece.
 void offer_core_axis(const ConvexPiece& round, const ConvexPiece& flat, bool round_is_a, AxisChooser& axes) {
+    if (round.turned) return;
     ContactAxis axis;
-    if (round.turned || !find_axis(RoundSegment{{round.points.front(), round.points.back()}, 0.0}, *flat.polytope, flat.size(), axis)) return;
+    PolygonScratch scratch;
+    if (!find_axis(RoundSegment{{round.points.front(), round.points.back()}, 0.0}, *flat.polytope, flat.size(), scratch, axis)) return;
     axes.offer(round_is_a ? axis.normal : -axis.normal, AxisSource::Points);
 }
 
@@ -144,8 +148,8 @@ PieceFinding compare(const ConvexPiece& a, const ConvexPiece& b, std::span<const
     const GjkResult r = search(a, b, last);
     AxisChooser axes(a, b);
     if (a.polytope && b.polytope) {
-        EdgeLists lists;
-        const ContactAxis axis = greatest_separation(*a.polytope, *b.polytope, a.polytope->centre, b.polytope->centre, lists);
+        constexpr double kAll = std::numeric_limits<double>::infinity();
+        const ContactAxis axis = greatest_separation(*a.polytope, *b.polytope, a.polytope->centre, b.polytope->centre, kAll);
         found.sat_gap = axis.separation;
         axes.offer(axis.normal, AxisSource::Points);
     }
@@ -214,10 +218,10 @@ PieceFinding swapped(PieceFinding found) {
 
 std::optional<FacePatch> common_patch(const ConvexPiece& a, const ConvexPiece& b, const dvec3& normal, double height) {
     if (!a.polytope || !b.polytope) return std::nullopt;
-    const std::uint32_t face_a = face_along(*a.polytope, normal), face_b = face_along(*b.polytope, -normal);
+    const std::uint32_t face_a = face_along(*a.polytope, normal).number, face_b = face_along(*b.polytope, -normal).number;
     // The rule by which the kernels take points from faces.
-    if (glm::dot(a.polytope->planes[face_a].normal, normal) < kFacingCosine) return std::nullopt;
-    if (-glm::dot(b.polytope->planes[face_b].normal, normal) < kFacingCosine) return std::nullopt;
+    if (glm::dot(a.polytope->normal(face_a), normal) < kFacingCosine) return std::nullopt;
+    if (-glm::dot(b.polytope->normal(face_b), normal) < kFacingCosine) return std::nullopt;
     FacePatch patch{a.corners_of(face_a), b.corners_of(face_b), {}};
     const auto flatten = [&](dvec3 p) { return p + (height - glm::dot(p, normal)) * normal; };
     std::vector<geo::Plane<double>> sides;
