@@ -9,10 +9,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <memory>
 #include <optional>
 #include <string>
+#include <utility>
 
 namespace carom::cli {
 namespace {
@@ -67,6 +69,10 @@ ExitCode why(const WhyOptions& options) {
     if (step > run.steps) {
         const std::string message = fmt::format("the scene runs for {} steps; give --steps for more", run.steps);
         return fail(ExitCode::BadInput, {ErrorCode::InvalidArgument, message, "--step"});
+    }
+    // An emitter may yet create the bodies.
+    if (!run.emitter) {
+        if (const auto bodies = find_bodies(run.world, options); !bodies) return fail(ExitCode::BadInput, bodies.error());
     }
     if (Status status = check_why_picture(options.picture); !status) return fail(ExitCode::BadInput, status.error());
     if (options.json) {

@@ -12,15 +12,6 @@ using Json = nlohmann::ordered_json;
 
 constexpr const char* kAxisNames[3] = {"x", "y", "z"};
 
-const char* type_name(BodyType type) {
-    switch (type) {
-        case BodyType::Static: return "static";
-        case BodyType::Kinematic: return "kinematic";
-        case BodyType::Dynamic: return "dynamic";
-    }
-    return "unknown";
-}
-
 template <class T>
 std::string point_text(const glm::vec<3, T>& p) {
     return fmt::format("({:.6g}, {:.6g}, {:.6g})", p.x, p.y, p.z);
@@ -186,7 +177,7 @@ std::string body_text(const World& world, BodyId body) {
         const std::string type = to_string(type_of(world.shape(shape)));
         if (what.find(type) == std::string::npos) what += (what.empty() ? "" : ", ") + type;
     }
-    return fmt::format("body {} ({}{}{})", body.slot, what, what.empty() ? "" : ", ", type_name(world.type(body)));
+    return fmt::format("body {} ({}{}{})", body.slot, what, what.empty() ? "" : ", ", to_string(world.type(body)));
 }
 
 std::string to_text(const ContactExplanation& why) {
@@ -208,7 +199,7 @@ std::string to_text(const ContactExplanation& why) {
 
 nlohmann::ordered_json to_json(const ContactExplanation& why, const World& world) {
     const auto body = [&](BodyId id) {
-        return Json{{"number", id.slot}, {"name", world.name(id)}, {"type", type_name(world.type(id))}};
+        return Json{{"number", id.slot}, {"name", world.name(id)}, {"type", to_string(world.type(id))}};
     };
     Json pairs = Json::array();
     for (const ShapePairExplanation& pair : why.pairs) pairs.push_back(pair_json(pair, world));
