@@ -176,6 +176,36 @@ TEST(Explain, GapsAndDistancesAreThoseOfTheBruteForce) {
     EXPECT_GT(overlaps, 50);
 }
 
+TEST(Explain, OfAMeshTheNearestTriangleIsFoundHoweverFarItIs) {
+    Random r(503);
+    // Shards far apart: near the box of one there may be none.
+    std::vector<vec3> vertices;
+    std::vector<TriangleMesh::Triangle> triangles;
+    for (std::uint32_t t = 0; t < 60; ++t) {
+        const vec3 middle = 5.0f * vec3(random_direction(r));
+        for (int k = 0; k < 3; ++k) vertices.push_back(middle + 2.0f * vec3(random_direction(r)));
+        triangles.push_back({3 * t, 3 * t + 1, 3 * t + 2});
+    }
+    const TriangleMeshPtr mesh = *TriangleMesh::build(vertices, triangles);
+    const Shape ball = Sphere{0.05f}, shards = mesh;
+    for (int i = 0; i < 300; ++i) {
+        const Pose at{random_direction(r) * r.range(0.0, 30.0)};
+        Real best = 1e30L;
+        std::uint32_t nearest = 0;
+        for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+            const auto corners = mesh->corners(t);
+            const Real d = distance_to_triangle({real(dvec3(corners[0])), real(dvec3(corners[1])), real(dvec3(corners[2]))}, real(at.position));
+            if (d >= best) continue;
+            best = d;
+            nearest = t;
+        }
+        if (best < 0.1L) continue;
+        const PairExplanation why = explain_at(ball, at, shards, {});
+        EXPECT_NEAR(why.axis->gap, static_cast<double>(best) - 0.05, 1e-6) << i;
+        EXPECT_EQ(why.triangle, nearest) << i;
+    }
+}
+
 TEST(Explain, WhatIsFartherThanNumbersGoIsApart) {
     for (const double far : {1e200, 1.7e308}) {
         const PairExplanation why = explain_at(kCube, {{-far, 0, 0}}, kCube, {{far, 0, 0}});
