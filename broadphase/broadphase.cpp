@@ -268,6 +268,11 @@ void Broadphase::visit_parts(FunctionRef<void(const BroadphasePart&)> visit) con
     if (impl_->built) impl_->method->visit_parts(impl_->table, visit);
 }
 
+void Broadphase::visit_parts_of(std::uint32_t slot, FunctionRef<void(const BroadphasePart&)> visit) const {
+    const detail::ProxyTable& table = impl_->table;
+    if (impl_->built && slot < table.alive.size() && table.alive[slot] != 0) impl_->method->visit_parts_of(slot, visit);
+}
+
 void Broadphase::visit_ends(FunctionRef<void(const BroadphaseEnd&)> visit) const {
     if (impl_->built) impl_->method->visit_ends(impl_->table, visit);
 }

@@ -117,6 +117,8 @@ public:
     /// What the method keeps at the moment: the occupied cells of grids, then their strays; the nodes of the tree, parents first. Nothing with other methods.
     /// Made on the spot from what is there; nothing is stored for it.
     void visit_parts(FunctionRef<void(const BroadphasePart& part)> visit) const;
+    /// Of these, those that hold a live slot: its cell or the stray that it is; the nodes from the root to its leaf. Nothing of any other.
+    void visit_parts_of(std::uint32_t slot, FunctionRef<void(const BroadphasePart& part)> visit) const;
     /// The sorted ends of the axes along which a method keeps some, axis by axis, ascending: all of sorted_axes, the lower ones along the
     /// axis that sweep_and_prune swept last.
     void visit_ends(FunctionRef<void(const BroadphaseEnd& end)> visit) const;

@@ -85,6 +85,14 @@ public:
             node = up == kNone ? kNone : nodes_[up].child[1];
         }
     }
+    void visit_parts_of(std::uint32_t slot, FunctionRef<void(const BroadphasePart&)> visit) const override {
+        std::vector<std::uint32_t> path;
+        for (std::uint32_t node = leaf_[slot]; node != kNone; node = nodes_[node].parent) path.push_back(node);
+        for (std::size_t depth = 0; depth < path.size(); ++depth) {
+            const Node& node = nodes_[path[path.size() - 1 - depth]];
+            visit({node.box, static_cast<int>(depth), node.is_leaf() ? std::size_t{1} : std::size_t{0}});
+        }
+    }
     [[nodiscard]] std::size_t memory() const noexcept override {
         return sizeof(Node) * nodes_.capacity() + sizeof(std::uint32_t) * (leaf_.capacity() + order_.capacity() + free_.capacity());
     }

@@ -52,6 +52,9 @@ public:
             if (levels_[k].size() != 0) levels_[k].visit_cells(static_cast<int>(k), visit);
         }
     }
+    void visit_parts_of(std::uint32_t slot, FunctionRef<void(const BroadphasePart&)> visit) const override {
+        visit(levels_[level_[slot]].part_at(place_[slot], level_[slot]));
+    }
     [[nodiscard]] std::size_t memory() const noexcept override;
 
 private:

@@ -5,6 +5,7 @@
 #include <carom/cli/choice.hpp>
 #include <carom/cli/command.hpp>
 #include <carom/cli/make_executor.hpp>
+#include <carom/cli/picture_size.hpp>
 #include <carom/cli/progress.hpp>
 #include <carom/cli/scene_arguments.hpp>
 
@@ -20,7 +21,6 @@
 
 #include <glm/geometric.hpp>
 
-#include <charconv>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -44,21 +44,7 @@ struct CastOptions {
     RayView view = RayView::Depth;
 };
 
-struct Size {
-    int width = 0, height = 0;
-};
-
-Result<Size> parse_size(const std::string& text) {
-    Size size;
-    const char* end = text.data() + text.size();
-    const std::from_chars_result width = std::from_chars(text.data(), end, size.width);
-    const bool has_x = width.ec == std::errc{} && width.ptr != end && *width.ptr == 'x';
-    const std::from_chars_result height = has_x ? std::from_chars(width.ptr + 1, end, size.height) : width;
-    if (has_x && height.ec == std::errc{} && height.ptr == end && size.width >= 1 && size.height >= 1) return size;
-    return Error{ErrorCode::Parse, fmt::format("\"{}\" is not of the form WIDTHxHEIGHT", text), "--size"};
-}
-
-Result<Image> draw(const CastTarget& target, const Size& size, RayView view, Executor& executor) {
+Result<Image> draw(const CastTarget& target, const PictureSize& size, RayView view, Executor& executor) {
     RayPictureSettings settings{.width = size.width, .height = size.height, .view = view, .executor = &executor};
     settings.camera = camera_for(target, static_cast<double>(size.width) / size.height);
     if (target.scene) return draw_rays(target.scene->rays, settings);
@@ -123,7 +109,7 @@ std::string summary(const CastTarget& target, const CastRecord& record, const Ca
 
 // What can be said before anything is loaded.
 Status check(const CastOptions& options) {
-    if (Result<Size> size = parse_size(options.size); !size) return size.error();
+    if (Result<PictureSize> size = parse_picture_size(options.size); !size) return size.error();
     if (options.picture == "-") return Error{ErrorCode::InvalidArgument, "a picture needs a file", "--picture"};
     if (!options.picture.empty()) {
         if (Status status = check_writable(options.picture); !status) return status;
@@ -143,7 +129,7 @@ ExitCode run(const CastOptions& options) {
         return fail(ExitCode::BadInput, {ErrorCode::InvalidArgument, "only meshes have edges to aim at", "--aim"});
     }
     if (!options.picture.empty()) {
-        const Result<Image> image = draw(*target, *parse_size(options.size), options.view, executor);
+        const Result<Image> image = draw(*target, *parse_picture_size(options.size), options.view, executor);
         if (!image) return fail(ExitCode::BadInput, image.error());
         if (Status status = write_png(*image, options.picture); !status) return fail(ExitCode::Failed, status.error());
     }

@@ -30,6 +30,7 @@ void add_cast_command(CLI::App& app, Action& action);
 void add_list_command(CLI::App& app, Action& action);
 void add_plan_command(CLI::App& app, Action& action);
 void add_run_command(CLI::App& app, Action& action);
+void add_why_command(CLI::App& app, Action& action);
 /// Adds nothing in builds without viz.
 void add_view_command(CLI::App& app, Action& action);
 

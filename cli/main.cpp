@@ -37,6 +37,7 @@ ExitCode run(int argc, char** argv) {
     add_plan_command(app, action);
     add_run_command(app, action);
     add_view_command(app, action);
+    add_why_command(app, action);
     add_cast_command(app, action);
     add_accuracy_command(app, action);
     if (argc > 1 && argv[1][0] != '-' && !is_command(app, argv[1])) {

@@ -13,6 +13,8 @@ namespace carom {
 /// Static bodies never move; kinematic bodies move at the velocity they are given and push the dynamic ones; dynamic bodies
 /// obey forces.
 enum class BodyType : unsigned char { Static, Kinematic, Dynamic };
+/// @return "static", "kinematic", "dynamic": as scene files spell it.
+[[nodiscard]] const char* to_string(BodyType type) noexcept;
 
 struct BodyDef {
     BodyType type = BodyType::Dynamic;

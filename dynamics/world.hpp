@@ -63,6 +63,8 @@ struct ContactView {
     std::array<float, kMaxManifoldPoints> normal_impulse{};  ///< per point, of the last substep [N s]
 };
 
+struct ContactExplanation;  // <carom/dynamics/explain.hpp>
+
 /// Bodies, shapes and the step. Every call with bad input (dead id, NaN, wrong range) reports misuse through the error
 /// handler before anything changes, and returns a null id, a zero value or nothing. Not thread-safe; const calls may run at once.
 class World {
@@ -133,6 +135,11 @@ public:
     /// ShapeId::slot of its shape; boxes are relative to broadphase_origin().
     [[nodiscard]] const Broadphase& broadphase() const noexcept;
     [[nodiscard]] dvec3 broadphase_origin() const noexcept;
+
+    /// Why two bodies touch, or why not: what each stage of the last step made of their shapes. <carom/dynamics/explain.hpp> has the result;
+    /// an empty one for a dead id, after the report. Cost: some µs for every two shapes, of meshes O(triangles), and what the broadphase
+    /// takes to show its parts. Allocates; changes nothing.
+    [[nodiscard]] ContactExplanation explain(BodyId a, BodyId b) const;
 
     /// First hit over all shapes but those of quarantined bodies; ties go to the body created first. Linear in the number of shapes
     /// in this version.

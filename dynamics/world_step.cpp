@@ -134,6 +134,7 @@ StepReport World::step(double dt) {
     step.run(Stage::Quarantine, [&] { w.quarantine_unusable(dt, step.report); });
 
     w.last_substep = dt / w.def.substeps;
+    w.looked_for_contacts = choices.contacts;
     step.report.step = ++w.steps;
     if (w.def.report_balance && step.report.quarantined.empty()) step.report.balance = balance_of(*this) - before;
     return step.finish();

@@ -10,15 +10,6 @@ std::ostream& operator<<(std::ostream& out, const dvec3& v) {
     return out << '(' << v.x << ", " << v.y << ", " << v.z << ')';
 }
 
-const char* type_name(BodyType type) {
-    switch (type) {
-        case BodyType::Static: return "static";
-        case BodyType::Kinematic: return "kinematic";
-        case BodyType::Dynamic: return "dynamic";
-    }
-    return "unknown";
-}
-
 }  // namespace
 
 std::string describe_body(const World& world, BodyId body) {
@@ -30,7 +21,7 @@ std::string describe_body(const World& world, BodyId body) {
         return out.str();
     }
     if (!world.name(body).empty()) out << " \"" << world.name(body) << '"';
-    out << ", " << type_name(world.type(body));
+    out << ", " << to_string(world.type(body));
     if (world.is_quarantined(body)) out << ", quarantined";
     out << "\n  shapes           ";
     for (const ShapeId shape : world.shapes(body)) out << ' ' << to_string(type_of(world.shape(shape)));

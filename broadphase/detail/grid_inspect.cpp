@@ -42,14 +42,23 @@ void GridLevel::visit_cells(int level, FunctionRef<void(const BroadphasePart&)> 
             if (!map.hashed) break;
         }
     }
-    for (std::size_t at = stray_begin; at < stray_end; ++at) {
+    for (std::size_t at = stray_begin; at < stray_end; ++at) visit(part_at(at, level));
+}
+
+BroadphasePart GridLevel::part_at(std::size_t at, int level) const {
+    if (at >= stray_begin) {
         FloatAabb box;
         for (int k = 0; k < 3; ++k) {
             box.lower[map.axes[k]] = entries.lower[k][at];
             box.upper[map.axes[k]] = entries.upper[k][at];
         }
-        visit({box, level, 1, true});
+        return {box, level, 1, true};
     }
+    const Cell cell = cell_at(*this, at);
+    const std::size_t entry = map.cell(cell[0], cell[1], cell[2]);
+    std::size_t count = 0;
+    for (std::size_t other = begin[entry]; other < begin[entry] + used[entry]; ++other) count += cell_at(*this, other) == cell;
+    return {box_of(map, cell), level, count};
 }
 
 }  // namespace carom::detail

@@ -102,6 +102,8 @@ public:
 
     /// The occupied cells; then the strays, each by itself.
     void visit_cells(int level, FunctionRef<void(const BroadphasePart&)> visit) const;
+    /// @return the cell of the box at a place, or the stray that it is.
+    [[nodiscard]] BroadphasePart part_at(std::size_t at, int level) const;
 
     [[nodiscard]] std::size_t size() const noexcept { return size_; }
     [[nodiscard]] std::size_t cells() const noexcept { return used.size(); }

@@ -63,6 +63,11 @@ public:
         static_cast<void>(table);
         static_cast<void>(visit);
     }
+    /// The parts that hold a live slot, from the outermost in.
+    virtual void visit_parts_of(std::uint32_t slot, FunctionRef<void(const BroadphasePart&)> visit) const {
+        static_cast<void>(slot);
+        static_cast<void>(visit);
+    }
     virtual void visit_ends(const ProxyTable& table, FunctionRef<void(const BroadphaseEnd&)> visit) const {
         static_cast<void>(table);
         static_cast<void>(visit);

@@ -31,14 +31,14 @@ bool filters_agree(const ProxyFilter& a, const ProxyFilter& b) {
     return (a.layer & b.mask) != 0 && (b.layer & a.mask) != 0;
 }
 
-/// Whether the box comes within `motion` of the half-space's surface: its corner that lies deepest.
-bool reaches(const dvec3& origin, const FloatAabb& box, const Pose& pose, const Plane& plane, double motion) {
+/// How high over the half-space's surface the box's corner is that lies deepest, less `motion`.
+double gap_over(const dvec3& origin, const FloatAabb& box, const Pose& pose, const Plane& plane, double motion) {
     const dvec3 normal = rotate(pose.orientation, dvec3{plane.normal});
     const dvec3 lower = origin + dvec3{box.lower};
     const dvec3 upper = origin + dvec3{box.upper};
     const dvec3 corner{normal.x > 0.0 ? lower.x : upper.x, normal.y > 0.0 ? lower.y : upper.y,
                        normal.z > 0.0 ? lower.z : upper.z};
-    return glm::dot(corner - pose.position, normal) <= static_cast<double>(plane.offset) + motion;
+    return glm::dot(corner - pose.position, normal) - (static_cast<double>(plane.offset) + motion);
 }
 
 /// Chooses the origin where there is none, or where the dynamic bodies have gone far from it; then every box is stale.
@@ -123,6 +123,11 @@ double motion_of_plane(const ProxySet& set, const BodyArrays& bodies, std::uint3
 
 }  // namespace
 
+double gap_over_plane(const ProxySet& set, const BodyArrays& bodies, std::uint32_t bounded, std::uint32_t plane, double dt) noexcept {
+    const Plane& surface = std::get<Plane>(set.by_slot[plane].shape);
+    return gap_over(set.origin, set.boxes[bounded], set.poses[plane], surface, motion_of_plane(set, bodies, plane, bounded, dt));
+}
+
 void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& motion, Executor& executor) {
     if (set.changed) {
         keep_origin_near(set, bodies);
@@ -143,7 +148,10 @@ void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& 
             set.motion[i] = is_static ? 0.0 : glm::length(state.velocity) * motion.dt + play(proxy, state, motion);
         }
     });
-    for (const std::uint32_t p : set.planes) set.poses[p] = bodies.states[set.by_slot[p].body].pose * set.by_slot[p].local;
+    for (const std::uint32_t p : set.planes) {
+        set.poses[p] = bodies.states[set.by_slot[p].body].pose * set.by_slot[p].local;
+        set.stale[p] = 0;
+    }
 }
 
 void note_listed(ProxySet& set) noexcept {
@@ -166,8 +174,7 @@ void list_candidates(const ProxySet& set, const BodyArrays& bodies, std::span<co
         if (!set.filters[i].movable) continue;
         for (const std::uint32_t p : set.planes) {
             if (!filters_agree(set.filters[i], set.filters[p])) continue;
-            const Plane& plane = std::get<Plane>(*set.shapes[p]);
-            if (reaches(set.origin, set.boxes[i], set.poses[p], plane, motion_of_plane(set, bodies, p, i, dt))) out.push_back({i, p});
+            if (gap_over_plane(set, bodies, i, p, dt) <= 0.0) out.push_back({i, p});
         }
     }
     executor.parallel_for(out.size(), kGrain, [&](std::size_t begin, std::size_t end) {

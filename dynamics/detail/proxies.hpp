@@ -64,7 +64,7 @@ struct ProxySet {
     std::vector<std::uint32_t> bodies;    ///< slots of the owners
     std::vector<double> extents;          ///< smallest ones [m]
     std::vector<double> motion;           ///< of bounded proxies: how far any point may move in the step [m]
-    std::vector<unsigned char> stale;     ///< 1: the box must be made anew although the body is static
+    std::vector<unsigned char> stale;     ///< 1: came or changed since the last update: the box must be made anew although the body is static
     std::vector<unsigned char> listed;    ///< 1: the broadphase has a box of this slot
     std::vector<std::uint32_t> versions;  ///< how many proxies have stood there
     std::vector<std::uint32_t> planes;    ///< slots of the unbounded ones, ascending: the side list
@@ -98,6 +98,11 @@ void note_listed(ProxySet& set) noexcept;
 
 /// @return how far a plane's surface may come towards a body about `point` in the step, by its own motion [m].
 [[nodiscard]] double plane_motion(const BodyState& plane, const dvec3& point, double reach, double dt) noexcept;
+
+/// @return the gap between the box of a bounded slot and how far the surface of a plane may come to it in the step [m]; 0 or less makes
+/// them a pair.
+[[nodiscard]] double gap_over_plane(const ProxySet& set, const BodyArrays& bodies, std::uint32_t bounded, std::uint32_t plane,
+                                    double dt) noexcept;
 
 /// Joins the broadphase's pairs, sorted by (a, b), and the pairs with planes into one list, sorted by key: the candidates for the
 /// narrowphase, by slots. The margin is how far the two may close in the step, at most a quarter of the smaller shape's smallest

@@ -116,6 +116,7 @@ struct World::Impl {
     std::vector<dynamics::ValidPose> last_valid;  // by slot
     double last_substep = 0.0;  // [s]; impulses are carried in proportion
     std::uint64_t steps = 0;
+    bool looked_for_contacts = false;  // in the last step
 };
 
 }  // namespace carom

@@ -60,9 +60,8 @@ GjkResult beyond_result(double distance) noexcept {
 }
 
 template <class A, class B>
-GjkResult search(const A& a, const B& b, double cutoff, int max_rounds) noexcept {
+GjkResult search(const A& a, const B& b, double cutoff, int max_rounds, Simplex& simplex) noexcept {
     const bool curved = max_rounds > kMaxRounds;
-    Simplex simplex;
     simplex.add({some_point(a) - some_point(b), some_point(a), some_point(b), 0, 0, 1.0}, 1.0);
     double extent = 0.0;
     dvec3 v = simplex[0].w;
@@ -86,7 +85,10 @@ GjkResult search(const A& a, const B& b, double cutoff, int max_rounds) noexcept
         Simplex grown = simplex;
         grown.add(next, 1.0);
         Simplex smaller = nearest(grown, curved);
-        if (smaller.count == 4) return result_of(smaller, 0.0, true, true);
+        if (smaller.count == 4) {
+            simplex = smaller;
+            return result_of(simplex, 0.0, true, true);
+        }
         if (curved && !(length_sq(smaller) < vv)) smaller = nearest_on_segment(merged(simplex), next);
         v = smaller.point();
         const double closer = glm::dot(v, v);
@@ -95,6 +97,24 @@ GjkResult search(const A& a, const B& b, double cutoff, int max_rounds) noexcept
         vv = closer;
     }
     return result_of(simplex, std::sqrt(vv), false, false);
+}
+
+template <class A, class B>
+GjkResult search(const A& a, const B& b, double cutoff, int max_rounds) noexcept {
+    Simplex simplex;
+    return search(a, b, cutoff, max_rounds, simplex);
+}
+
+template <class A, class B>
+GjkResult search(const A& a, const B& b, double cutoff, int max_rounds, GjkSimplex& last) noexcept {
+    Simplex simplex;
+    const GjkResult result = search(a, b, cutoff, max_rounds, simplex);
+    last.count = simplex.count;
+    for (int i = 0; i < simplex.count; ++i) {
+        last.on_a[static_cast<std::size_t>(i)] = simplex[i].on_a;
+        last.on_b[static_cast<std::size_t>(i)] = simplex[i].on_b;
+    }
+    return result;
 }
 
 }  // namespace
@@ -118,6 +138,16 @@ GjkResult gjk(const TruncatedCone& a, std::span<const dvec3> b, double cutoff) n
 }
 GjkResult gjk(const TruncatedCone& a, const TruncatedCone& b, double cutoff) noexcept {
     return search(a, b, cutoff, kMaxRoundsCurved);
+}
+
+GjkResult gjk(std::span<const dvec3> a, std::span<const dvec3> b, double cutoff, GjkSimplex& last) noexcept {
+    return search(a, b, cutoff, kMaxRounds, last);
+}
+GjkResult gjk(const TruncatedCone& a, std::span<const dvec3> b, double cutoff, GjkSimplex& last) noexcept {
+    return search(a, b, cutoff, kMaxRoundsCurved, last);
+}
+GjkResult gjk(const TruncatedCone& a, const TruncatedCone& b, double cutoff, GjkSimplex& last) noexcept {
+    return search(a, b, cutoff, kMaxRoundsCurved, last);
 }
 
 }  // namespace carom::detail

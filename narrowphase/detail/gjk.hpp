@@ -7,6 +7,7 @@
 #include <carom/core/types.hpp>
 #include <carom/narrowphase/detail/truncated_cone.hpp>
 
+#include <array>
 #include <span>
 
 namespace carom::detail {
@@ -18,6 +19,12 @@ struct GjkResult {
     bool overlap = false;    ///< the hulls touch or overlap, to 1e-12 of their extent
     bool converged = true;   ///< false: stopped at the cap on iterations
     bool beyond = false;     ///< farther apart than the cutoff, which is all that is known then
+};
+
+/// The corners that hold the closest points, of either set: where the search ended.
+struct GjkSimplex {
+    std::array<dvec3, 4> on_a{}, on_b{};
+    int count = 0;
 };
 
 /// Closest points of the convex hulls of `a` and `b`, each of at least one point, all finite, in one frame.
@@ -35,6 +42,11 @@ struct GjkResult {
 /// Cost: about 12 rounds, at most 128.
 [[nodiscard]] GjkResult gjk(const TruncatedCone& a, std::span<const dvec3> b, double cutoff) noexcept;
 [[nodiscard]] GjkResult gjk(const TruncatedCone& a, const TruncatedCone& b, double cutoff) noexcept;
+
+/// The same with the last simplex, for people and pictures.
+[[nodiscard]] GjkResult gjk(std::span<const dvec3> a, std::span<const dvec3> b, double cutoff, GjkSimplex& last) noexcept;
+[[nodiscard]] GjkResult gjk(const TruncatedCone& a, std::span<const dvec3> b, double cutoff, GjkSimplex& last) noexcept;
+[[nodiscard]] GjkResult gjk(const TruncatedCone& a, const TruncatedCone& b, double cutoff, GjkSimplex& last) noexcept;
 
 /// @return the number of the point that is farthest along `direction`, the first of equals. One point at least.
 [[nodiscard]] std::size_t farthest_along(std::span<const dvec3> points, const dvec3& direction) noexcept;

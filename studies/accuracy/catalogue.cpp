@@ -16,6 +16,9 @@ std::span<const StudyGroup> study_catalogue() {
          meshmesh_studies},
         {"sat", "two boxes: verdicts and depths, by axes, primitives, manifolds and polytope; near, touching, deep, thin, far, tiny", sat_studies},
         {"gjk", "two hulls: verdicts, distances with tolerances and caps, depths; near, touching, deep, thin, far, tiny", gjk_studies},
+        {"manifolds", "contacts of boxes, hulls and meshes: depth, normal, the area that few points span, and how steady their names are",
+         manifold_studies},
+        {"probes", "wheels of rays on terrain, steps and rails: contacts missed against the number of rays", probe_studies},
     };
     return groups;
 }

@@ -55,5 +55,9 @@ struct StudyGroup {
 /// Boxes, and hulls, in pairs; convex_cases.hpp has the cases.
 [[nodiscard]] std::vector<Study> sat_studies(const StudyOptions& options);
 [[nodiscard]] std::vector<Study> gjk_studies(const StudyOptions& options);
+/// Contact manifolds; manifold_cases.hpp has the measures.
+[[nodiscard]] std::vector<Study> manifold_studies(const StudyOptions& options);
+/// Wheels of rays against the wheels themselves.
+[[nodiscard]] std::vector<Study> probe_studies(const StudyOptions& options);
 
 }  // namespace carom::accuracy

@@ -1,0 +1,249 @@
+// The ladder that a pair climbs in a step, from what the last step kept.
+#include <carom/dynamics/explain.hpp>
+
+#include <carom/core/check.hpp>
+#include <carom/dynamics/detail/explain_text.hpp>
+#include <carom/dynamics/detail/world_impl.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+namespace carom {
+namespace {
+
+using dynamics::ContactPair;
+using dynamics::ProxyKind;
+using dynamics::ProxySet;
+using dynamics::Role;
+
+/// Two shapes as the step lists them: the lower slot first, a plane last.
+NumberedPair listed_order(const ProxySet& proxies, std::uint32_t a, std::uint32_t b) {
+    const bool plane_a = proxies.kinds[a] == ProxyKind::Plane, plane_b = proxies.kinds[b] == ProxyKind::Plane;
+    return plane_a || (!plane_b && b < a) ? NumberedPair{b, a} : NumberedPair{a, b};
+}
+
+bool same_contact(const Manifold& a, const Manifold& b) {
+    if (a.count != b.count || a.part_a != b.part_a || a.part_b != b.part_b || a.normal != b.normal) return false;
+    bool same = true;
+    for (std::size_t k = 0; k < a.count; ++k) {
+        const ContactPoint &p = a.points[k], &q = b.points[k];
+        same &= p.position == q.position && p.separation == q.separation && p.feature == q.feature;
+    }
+    return same;
+}
+
+bool same_contacts(std::span<const Manifold> a, std::span<const Manifold> b) { return std::ranges::equal(a, b, same_contact); }
+
+/// What the last step of a world kept.
+struct LastStep {
+    const SlotMap<dynamics::BodyRecord, BodyId>& bodies;
+    const SlotMap<dynamics::ShapeRecord, ShapeId>& shapes;
+    const dynamics::BodyArrays& arrays;
+    const ProxySet& proxies;
+    const Broadphase& broadphase;
+    std::span<const NumberedPair> candidates;
+    const dynamics::ContactSet& contacts;
+    double dt = 0.0;  ///< [s]
+    bool looked_for_contacts = false;
+};
+
+class PairClimb {
+public:
+    PairClimb(const LastStep& step, std::vector<std::string>& disagreements) : w_(step), disagreements_(disagreements) {}
+
+    [[nodiscard]] ShapePairExplanation climb(ShapeId a, ShapeId b) const {
+        ShapePairExplanation pair;
+        pair.shape_a = a;
+        pair.shape_b = b;
+        pair.filter = filter_of(a, b);
+        const bool passes = pair.filter->any_moves && pair.filter->layers_agree;
+        pair.rung = !passes ? Rung::Filter : !w_.looked_for_contacts ? Rung::NoStep : Rung::OutOfStep;
+        if (!w_.looked_for_contacts || !known(a) || !known(b)) return pair;
+
+        const ProxySet& proxies = w_.proxies;
+        NumberedPair listed = listed_order(proxies, a.slot, b.slot);
+        pair.pose_a = proxies.poses[a.slot];
+        pair.pose_b = proxies.poses[b.slot];
+        const bool both_planes = proxies.kinds[listed.a] == ProxyKind::Plane;
+        if (both_planes) return pair;  // neither moves, or they are out of step: the filter has ended it
+        pair.bounds = bounds_of(a.slot, b.slot);
+        const NumberedPair* candidate = find_candidate(listed);
+        if (passes) {
+            pair.broadphase = broadphase_of(listed, *pair.bounds, candidate != nullptr);
+            check_listing(*pair.bounds, *pair.broadphase, candidate != nullptr, listed);
+            if (candidate != nullptr) listed = *candidate;
+        } else if (candidate != nullptr) {
+            disagree("the filter parts the two, and yet the step listed them", listed);
+        }
+        add_contact(listed, pair);
+        if (!passes) return pair;
+        pair.rung = candidate == nullptr ? (pair.bounds->gap > 0.0 ? Rung::Bounds : Rung::PairLimit) : rung_of(*pair.found);
+        return pair;
+    }
+
+private:
+    void disagree(const std::string& what, const NumberedPair& pair) const {
+        disagreements_.push_back("shapes " + std::to_string(pair.a) + " and " + std::to_string(pair.b) + ": " + what);
+    }
+
+    [[nodiscard]] FilterFinding filter_of(ShapeId a, ShapeId b) const {
+        const dynamics::ShapeRecord &of_a = *w_.shapes.find(a), &of_b = *w_.shapes.find(b);
+        FilterFinding filter{of_a.def.layer, of_a.def.mask, of_b.def.layer, of_b.def.mask};
+        filter.layers_agree = (filter.layer_a & filter.mask_b) != 0 && (filter.layer_b & filter.mask_a) != 0;
+        filter.any_moves =
+            w_.bodies.find(of_a.body)->type == BodyType::Dynamic || w_.bodies.find(of_b.body)->type == BodyType::Dynamic;
+        return filter;
+    }
+
+    /// Whether the last step had the shape as it is.
+    [[nodiscard]] bool known(ShapeId id) const {
+        const ProxySet& p = w_.proxies;
+        if (id.slot >= p.kinds.size() || p.kinds[id.slot] == ProxyKind::None || p.by_slot[id.slot].id != id || p.stale[id.slot] != 0) return false;
+        return p.kinds[id.slot] == ProxyKind::Plane || p.listed[id.slot] != 0;
+    }
+
+    [[nodiscard]] BoundsFinding bounds_of(std::uint32_t a, std::uint32_t b) const {
+        const ProxySet& p = w_.proxies;
+        BoundsFinding found{p.boxes[a], p.boxes[b]};
+        const bool plane_a = p.kinds[a] == ProxyKind::Plane;
+        if (plane_a || p.kinds[b] == ProxyKind::Plane) {
+            found.axis = -1;
+            const NumberedPair listed = listed_order(p, a, b);
+            found.gap = dynamics::gap_over_plane(p, w_.arrays, listed.a, listed.b, w_.dt);
+            (plane_a ? found.box_a : found.box_b) = {};
+            return found;
+        }
+        for (int k = 0; k < 3; ++k) {
+            const double gap = std::max(static_cast<double>(found.box_b.lower[k]) - static_cast<double>(found.box_a.upper[k]),
+                                        static_cast<double>(found.box_a.lower[k]) - static_cast<double>(found.box_b.upper[k]));
+            if (k != 0 && gap <= found.gap) continue;
+            found.gap = gap;
+            found.axis = k;
+        }
+        return found;
+    }
+
+    [[nodiscard]] const NumberedPair* find_candidate(const NumberedPair& pair) const {
+        for (const NumberedPair& c : w_.candidates) {
+            if (c.a == pair.a && c.b == pair.b) return &c;
+        }
+        return nullptr;
+    }
+
+    [[nodiscard]] BroadphaseFinding broadphase_of(const NumberedPair& pair, const BoundsFinding& bounds, bool is_candidate) const {
+        if (bounds.axis < 0) return {BroadphaseMethod::Automatic, is_candidate, "planes are in a list of their own, held against every movable shape"};
+        const PairUpdate& found = w_.broadphase.result();
+        const bool listed = std::binary_search(found.pairs.begin(), found.pairs.end(), ProxyPair{pair.a, pair.b});
+        return {w_.broadphase.method(), listed, dynamics::place_of(w_.broadphase, pair.a, pair.b, bounds.axis)};
+    }
+
+    /// The list must hold what overlaps, and nothing else; a plane that moves may have another velocity by now.
+    void check_listing(const BoundsFinding& bounds, const BroadphaseFinding& broadphase, bool is_candidate, const NumberedPair& pair) const {
+        const bool moving_plane = bounds.axis < 0 && w_.arrays.roles[w_.proxies.bodies[pair.b]] != Role::Static;
+        const PairUpdate& found = w_.broadphase.result();
+        const bool limited = bounds.axis >= 0 && found.status == PairStatus::LimitReached && pair.a >= found.complete_below;
+        if (broadphase.listed != is_candidate) disagree("what the broadphase listed did not reach the narrowphase", pair);
+        if (moving_plane) return;
+        if (broadphase.listed && bounds.gap > 0.0) disagree("listed although the bounds are apart", pair);
+        if (!broadphase.listed && !(bounds.gap > 0.0) && !limited) disagree("not listed although the bounds overlap", pair);
+    }
+
+    /// Measures the two where they were, and holds what the step has of them against it.
+    void add_contact(const NumberedPair& listed, ShapePairExplanation& pair) const {
+        const ProxySet& p = w_.proxies;
+        const auto placed = [&](std::uint32_t a, std::uint32_t b) {
+            return ShapePair{&p.by_slot[a].shape, &p.by_slot[b].shape, p.poses[a], p.poses[b], listed.margin};
+        };
+        const std::uint32_t a = pair.shape_a.slot, b = pair.shape_b.slot;
+        if (!can_collide(type_of(p.by_slot[a].shape), type_of(p.by_slot[b].shape))) return;
+        pair.contact = carom::explain(placed(a, b));
+        if (!pair.contact->disagreement.empty()) disagree(pair.contact->disagreement, listed);
+        if (find_candidate(listed) == nullptr) return;
+        std::vector<Manifold> anew;
+        carom::collide(placed(listed.a, listed.b), 0, anew);
+        const std::span<const Manifold> had = contacts_of(listed);
+        pair.found = summary_of(had);
+        pair.found->carried = !same_contacts(anew, had);
+        if (pair.found->carried && !may_be_carried(summary_of(anew), *pair.found, listed)) {
+            disagree("the contacts of the step are not those of its poses", listed);
+        }
+    }
+
+    static StepContacts summary_of(std::span<const Manifold> manifolds) {
+        StepContacts sum;
+        sum.manifolds = manifolds.size();
+        for (const Manifold& m : manifolds) {
+            for (const ContactPoint& point : m.used()) {
+                const auto separation = static_cast<double>(point.separation);
+                if (sum.points++ == 0 || separation < sum.least_separation) sum.least_separation = separation;
+            }
+        }
+        return sum;
+    }
+
+    /// Whether contacts that were carried along may be what they are: depths too large by twice the slack, points up to the slack beyond
+    /// the margin, and nothing where there is something within twice the slack of it.
+    static bool may_be_carried(const StepContacts& anew, const StepContacts& had, const NumberedPair& listed) {
+        const double slack = 2.0 * static_cast<double>(listed.slack), margin = static_cast<double>(listed.margin);
+        if (!(slack > 0.0)) return false;
+        if (anew.points == 0 && had.points == 0) return true;
+        if (anew.points == 0) return had.least_separation >= margin - slack;
+        if (had.points == 0) return anew.least_separation >= margin - slack;
+        return std::abs(anew.least_separation - had.least_separation) <= 1.01 * slack;
+    }
+
+    [[nodiscard]] std::span<const Manifold> contacts_of(const NumberedPair& listed) const {
+        const std::uint64_t key = dynamics::contact_pair(w_.proxies, listed).key;
+        const auto& pairs = w_.contacts.pairs;
+        const auto found = std::ranges::lower_bound(pairs, key, {}, &ContactPair::key);
+        if (found == pairs.end() || found->key != key) return {};
+        return std::span(w_.contacts.manifolds).subspan(found->first_manifold, found->manifold_count);
+    }
+
+    [[nodiscard]] static Rung rung_of(const StepContacts& found) {
+        if (found.points == 0) return Rung::Distance;
+        return found.least_separation <= 0.0 ? Rung::Touch : Rung::Margin;
+    }
+
+    const LastStep& w_;
+    std::vector<std::string>& disagreements_;
+};
+
+/// The gap of a pair, for telling which of several is nearest.
+double gap_of(const ShapePairExplanation& pair) {
+    if (pair.contact && pair.contact->axis) return pair.contact->axis->gap;
+    return pair.bounds ? pair.bounds->gap : 0.0;
+}
+
+}  // namespace
+
+ContactExplanation World::explain(BodyId a, BodyId b) const {
+    const dynamics::BodyRecord *of_a = impl_->bodies.find(a), *of_b = impl_->bodies.find(b);
+    CAROM_REQUIRE(of_a != nullptr && of_b != nullptr, ErrorCode::DeadId, "no such body", {});
+    ContactExplanation why;
+    why.body_a = a;
+    why.body_b = b;
+    why.step = impl_->steps;
+    if (a == b || of_a->shapes.empty() || of_b->shapes.empty()) {
+        why.rung = a == b ? Rung::SameBody : Rung::NoShapes;
+        why.sentence = dynamics::sentence_of(why);
+        return why;
+    }
+    const Impl& w = *impl_;
+    const LastStep step{w.bodies,     w.shapes,   w.arrays,   w.proxies, w.broadphase, w.candidates, w.contacts, w.last_substep * w.def.substeps,
+                        w.looked_for_contacts};
+    const PairClimb climb(step, why.disagreements);
+    for (const ShapeId shape_a : of_a->shapes) {
+        for (const ShapeId shape_b : of_b->shapes) {
+            why.pairs.push_back(climb.climb(shape_a, shape_b));
+            const ShapePairExplanation &best = why.pairs[why.deciding], &last = why.pairs.back();
+            if (last.rung > best.rung || (last.rung == best.rung && gap_of(last) < gap_of(best))) why.deciding = why.pairs.size() - 1;
+        }
+    }
+    why.rung = why.pairs[why.deciding].rung;
+    why.sentence = dynamics::sentence_of(why);
+    return why;
+}
+
+}  // namespace carom

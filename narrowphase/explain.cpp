@@ -1,0 +1,262 @@
+#include <carom/narrowphase/explain.hpp>
+
+#include <carom/collision/compound.hpp>
+#include <carom/collision/triangle_mesh.hpp>
+#include <carom/core/check.hpp>
+#include <carom/narrowphase/detail/check_pair.hpp>
+#include <carom/narrowphase/detail/piece_pair.hpp>
+
+#include <glm/common.hpp>
+#include <glm/geometric.hpp>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace carom {
+namespace {
+
+using detail::ConvexPiece;
+using detail::HalfSpace;
+using detail::PieceFinding;
+
+/// What collide() may differ by, of the size: its accuracy, twice; where a side or a rim touches smoothly, what its normal is good to.
+constexpr double kAccuracy = 4e-6;
+constexpr double kSmoothAccuracy = 2e-5;
+
+struct Placed {
+    const Shape& shape;
+    dmat3 axes{1.0};
+    dvec3 origin{0.0};  // from A's
+};
+
+struct Part {
+    ConvexPiece piece;
+    std::uint32_t number = 0;
+};
+
+/// The two pieces that come nearest.
+struct Nearest {
+    bool found = false;
+    PieceFinding finding;
+    std::uint32_t part_a = 0, part_b = 0, triangle = 0;
+    ConvexPiece a, b;  // b: nothing of a plane
+};
+
+bool is_solid(const Shape& shape) { return type_of(shape) == ShapeType::Compound || is_convex_solid(type_of(shape)); }
+
+std::vector<Part> parts_of(const Placed& placed) {
+    const CompoundPtr* compound = std::get_if<CompoundPtr>(&placed.shape);
+    if (compound == nullptr) return {{detail::make_piece(placed.shape, placed.axes, placed.origin), 0}};
+    std::vector<Part> parts;
+    for (const CompoundPart& part : (*compound)->parts()) {
+        const dmat3 axes = placed.axes * glm::mat3_cast(part.pose.orientation);
+        const dvec3 origin = placed.origin + placed.axes * part.pose.position;
+        parts.push_back({detail::make_piece(part.shape, axes, origin), static_cast<std::uint32_t>(parts.size())});
+    }
+    return parts;
+}
+
+/// A lower bound of the gap between what two boxes hold.
+double box_gap(const Aabb& a, const Aabb& b) {
+    const dvec3 gap = glm::max(b.lower - a.upper, a.lower - b.upper);
+    return std::max({gap.x, gap.y, gap.z});
+}
+
+std::vector<dvec3> contact_normals(const std::vector<Manifold>& manifolds, std::uint32_t part_a, std::uint32_t part_b) {
+    std::vector<dvec3> normals;
+    for (const Manifold& m : manifolds) {
+        if (m.part_a == part_a && m.part_b == part_b) normals.emplace_back(m.normal);
+    }
+    return normals;
+}
+
+Nearest nearest_solids(const Placed& a, const Placed& b, const std::vector<Manifold>& manifolds) {
+    Nearest best;
+    const std::vector<Part> of_b = parts_of(b);
+    for (Part& p : parts_of(a)) {
+        for (const Part& q : of_b) {
+            if (best.found && box_gap(p.piece.box, q.piece.box) > best.finding.axis.gap) continue;
+            PieceFinding finding = detail::compare(p.piece, q.piece, contact_normals(manifolds, p.number, q.number));
+            if (best.found && !(finding.axis.gap < best.finding.axis.gap)) continue;
+            best = {true, std::move(finding), p.number, q.number, 0, p.piece, q.piece};
+        }
+    }
+    return best;
+}
+
+Nearest nearest_to_plane(const Placed& solid, const Placed& plane) {
+    const Plane& p = std::get<Plane>(plane.shape);
+    const dvec3 normal = plane.axes * dvec3(p.normal);
+    const HalfSpace half{normal, static_cast<double>(p.offset) + glm::dot(normal, plane.origin)};
+    Nearest best;
+    for (const Part& part : parts_of(solid)) {
+        PieceFinding finding = detail::compare(part.piece, half);
+        if (best.found && !(finding.axis.gap < best.finding.axis.gap)) continue;
+        best = {true, std::move(finding), part.number, 0, 0, part.piece, {}};
+    }
+    return best;
+}
+
+/// Looks at the triangles near one part, farther and farther out until one is nearer than what was looked at.
+void look_at_triangles(const Part& part, const Placed& mesh, double reach, const std::vector<Manifold>& manifolds, bool swapped, Nearest& best) {
+    const TriangleMesh& triangles = *std::get<TriangleMeshPtr>(mesh.shape);
+    const dvec3 middle = (0.5 * (part.piece.box.lower + part.piece.box.upper) - mesh.origin) * mesh.axes;
+    const double radius = 0.5 * glm::length(part.piece.box.upper - part.piece.box.lower);
+    const std::vector<dvec3> normals = swapped ? contact_normals(manifolds, 0, part.number) : contact_normals(manifolds, part.number, 0);
+    std::vector<dvec3> towards_mesh = normals;
+    if (swapped) {
+        for (dvec3& n : towards_mesh) n = -n;
+    }
+    const Aabb& whole = triangles.local_bounds();
+    for (double r = std::max(reach, 1e-3 * radius);; r *= 8.0) {
+        const Aabb around = inflate(Aabb{middle, middle}, radius + r);
+        triangles.overlap(around, [&](std::uint32_t t) {
+            std::array<dvec3, 3> corners{};
+            Aabb box;
+            for (std::size_t k = 0; k < 3; ++k) {
+                corners[k] = mesh.origin + mesh.axes * dvec3(triangles.corners(t)[k]);
+                box = merge(box, {corners[k], corners[k]});
+            }
+            if (best.found && box_gap(part.piece.box, box) > best.finding.axis.gap) return true;
+            ConvexPiece triangle = detail::make_triangle(corners);
+            if (!triangle.polytope) return true;  // without an area it collides with nothing
+            PieceFinding finding = detail::compare(part.piece, triangle, towards_mesh);
+            if (best.found && !(finding.axis.gap < best.finding.axis.gap)) return true;
+            best = {true, std::move(finding), part.number, 0, t, part.piece, std::move(triangle)};
+            return true;
+        });
+        const bool all = glm::all(glm::lessThanEqual(around.lower, whole.lower)) && glm::all(glm::greaterThanEqual(around.upper, whole.upper));
+        if (all || (best.found && best.finding.axis.gap <= r)) return;
+    }
+}
+
+Nearest nearest_to_mesh(const Placed& solid, const Placed& mesh, double margin, const std::vector<Manifold>& manifolds, bool swapped) {
+    Nearest best;
+    for (const Part& part : parts_of(solid)) look_at_triangles(part, mesh, margin, manifolds, swapped, best);
+    return best;
+}
+
+Nearest swapped(Nearest n) {
+    n.finding = detail::swapped(std::move(n.finding));
+    std::swap(n.part_a, n.part_b);
+    std::swap(n.a, n.b);
+    return n;
+}
+
+Nearest find_nearest(const Placed& a, const Placed& b, double margin, const std::vector<Manifold>& manifolds) {
+    const ShapeType type_a = type_of(a.shape), type_b = type_of(b.shape);
+    if (is_solid(a.shape) && is_solid(b.shape)) return nearest_solids(a, b, manifolds);
+    if (is_solid(a.shape) && type_b == ShapeType::Plane) return nearest_to_plane(a, b);
+    if (is_solid(b.shape) && type_a == ShapeType::Plane) return swapped(nearest_to_plane(b, a));
+    if (is_solid(a.shape) && type_b == ShapeType::TriangleMesh) return nearest_to_mesh(a, b, margin, manifolds, false);
+    if (is_solid(b.shape) && type_a == ShapeType::TriangleMesh) return swapped(nearest_to_mesh(b, a, margin, manifolds, true));
+    return {};
+}
+
+const Manifold* deepest(const std::vector<Manifold>& manifolds, float& separation) {
+    const Manifold* best = nullptr;
+    for (const Manifold& m : manifolds) {
+        for (const ContactPoint& p : m.used()) {
+            if (best != nullptr && !(p.separation < separation)) continue;
+            best = &m;
+            separation = p.separation;
+        }
+    }
+    return best;
+}
+
+std::optional<FacePatch> patch_of(const Nearest& nearest, const Manifold& manifold, const Placed& a, const Placed& b) {
+    double height = 0.0;
+    const dvec3 normal(manifold.normal);
+    for (const ContactPoint& p : manifold.used()) height += glm::dot(dvec3(p.position), normal) / manifold.count;
+    if (!is_solid(a.shape) || !is_solid(b.shape)) return detail::common_patch(nearest.a, nearest.b, normal, height);
+    return detail::common_patch(parts_of(a)[manifold.part_a].piece, parts_of(b)[manifold.part_b].piece, normal, height);
+}
+
+/// What collide() has to have said of the pieces that come nearest.
+std::string disagreement_of(const ShapePair& pair, const Nearest& nearest, CollideStatus status, const Manifold* deepest_one, float separation) {
+    const ShapeType type_a = type_of(*pair.a), type_b = type_of(*pair.b);
+    const bool smooth = nearest.a.turned.has_value() || nearest.b.turned.has_value();
+    double size = std::max(nearest.a.size(), nearest.b.size());
+    if (type_a == ShapeType::Plane || type_b == ShapeType::Plane) size = type_a == ShapeType::Plane ? nearest.b.size() : nearest.a.size();
+    const double tolerance = (smooth ? kSmoothAccuracy : kAccuracy) * size;
+    // Two boxes are told apart by their axes alone.
+    const bool boxes = type_a == ShapeType::Box && type_b == ShapeType::Box;
+    const double gap = boxes ? nearest.finding.sat_gap.value_or(nearest.finding.axis.gap) : nearest.finding.axis.gap;
+    const double margin = static_cast<double>(pair.margin);
+    if (deepest_one != nullptr && gap > margin + tolerance) return "contacts are reported although the two are farther apart than the margin";
+    if (deepest_one == nullptr && gap < margin - tolerance) return "no contact is reported although the two are nearer than the margin";
+    const bool of_mesh = type_a == ShapeType::TriangleMesh || type_b == ShapeType::TriangleMesh;
+    if (deepest_one == nullptr || of_mesh || status != CollideStatus::Ok) return "";
+    const bool same = std::abs(static_cast<double>(separation) - gap) <= tolerance;
+    return same ? "" : "the deepest contact is not as deep as the two overlap along the best axis";
+}
+
+}  // namespace
+
+PairExplanation explain(const ShapePair& pair) {
+    const detail::PairFault fault = detail::fault_of(pair);
+    CAROM_REQUIRE(fault.what == nullptr, fault.code, fault.what, {});
+    PairExplanation why;
+    why.margin = static_cast<double>(pair.margin);
+    why.status = collide(pair, 0, why.manifolds);
+    const dvec3 between = pair.pose_b.position - pair.pose_a.position;
+    if (!is_finite(between)) {  // farther apart than numbers go
+        why.verdict = PairVerdict::Apart;
+        return why;
+    }
+    const Placed a{*pair.a, glm::mat3_cast(pair.pose_a.orientation), dvec3{0.0}};
+    const Placed b{*pair.b, glm::mat3_cast(pair.pose_b.orientation), between};
+    Nearest nearest = find_nearest(a, b, why.margin, why.manifolds);
+    float separation = 0.0f;
+    const Manifold* deepest_one = deepest(why.manifolds, separation);
+    if (!nearest.found) {  // two meshes, or a mesh without areas: what collide() says is all that is known
+        why.verdict = deepest_one == nullptr ? PairVerdict::Apart : PairVerdict::Touching;
+        if (deepest_one != nullptr && separation > 0.0f) why.verdict = PairVerdict::Apart;
+        return why;
+    }
+    why.verdict = nearest.finding.verdict;
+    why.part_a = nearest.part_a;
+    why.part_b = nearest.part_b;
+    why.triangle = nearest.triangle;
+    why.disagreement = disagreement_of(pair, nearest, why.status, deepest_one, separation);
+    if (deepest_one != nullptr) why.patch = patch_of(nearest, *deepest_one, a, b);
+    why.distance = std::move(nearest.finding.distance);
+    why.axis = nearest.finding.axis;
+    return why;
+}
+
+const char* to_string(PairVerdict verdict) noexcept {
+    switch (verdict) {
+        case PairVerdict::Apart: return "apart";
+        case PairVerdict::Touching: return "touching";
+        case PairVerdict::Undecided: return "undecided";
+    }
+    return "unknown";
+}
+
+const char* to_string(SupportKind kind) noexcept {
+    switch (kind) {
+        case SupportKind::Corner: return "corner";
+        case SupportKind::Edge: return "edge";
+        case SupportKind::Face: return "face";
+        case SupportKind::Round: return "round";
+    }
+    return "unknown";
+}
+
+const char* to_string(AxisSource source) noexcept {
+    switch (source) {
+        case AxisSource::FaceOfA: return "face of A";
+        case AxisSource::FaceOfB: return "face of B";
+        case AxisSource::Edges: return "edges";
+        case AxisSource::Points: return "points";
+        case AxisSource::Contact: return "contact";
+    }
+    return "unknown";
+}
+
+}  // namespace carom

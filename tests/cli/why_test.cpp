@@ -1,0 +1,172 @@
+// carom why: what it says, its keys, and exit codes for bad input.
+#include <cli/program.hpp>
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <filesystem>
+#include <fstream>
+#include <regex>
+#include <sstream>
+#include <string>
+#include <vector>
+
+namespace carom::test {
+namespace {
+
+using Json = nlohmann::json;
+
+bool has(const std::string& text, const std::string& words) { return text.find(words) != std::string::npos; }
+
+TEST(Why, AScenesBodiesTouchOrDoNot) {
+    const Outcome touch = carom({"why", "0", "1", "tall_stack", "--bodies", "3", "--steps", "30"});
+    EXPECT_EQ(touch.code, 0) << touch.err;
+    for (const char* words : {"tall_stack, step 30: A is body 0", "filter", "bounds", "broadphase", "axis", "distance", "verdict", "manifold",
+                              "they touch because they overlap by"}) {
+        EXPECT_TRUE(has(touch.out, words)) << words << "\n" << touch.out;
+    }
+    const Outcome apart = carom({"why", "1", "3", "tall_stack", "--bodies", "3", "--step", "5"});
+    EXPECT_EQ(apart.code, 0) << apart.err;
+    EXPECT_TRUE(has(apart.out, "step 5")) << apart.out;
+    EXPECT_TRUE(has(apart.out, "they do not touch because their bounds are")) << apart.out;
+    // Walls of the pit.
+    const Outcome walls = carom({"why", "0", "1", "pile_boxes", "--bodies", "5", "--step", "1"});
+    EXPECT_TRUE(has(walls.out, "because neither is dynamic")) << walls.out;
+    const Outcome before = carom({"why", "0", "1", "tall_stack", "--bodies", "3", "--step", "0"});
+    EXPECT_TRUE(has(before.out, "because no step has been done yet")) << before.out;
+}
+
+TEST(Why, TheReportHasEveryKey) {
+    const Outcome outcome = carom({"why", "0", "1", "tall_stack", "--bodies", "3", "--steps", "30", "--json", "-"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const Json json = Json::parse(outcome.out, nullptr, false);
+    ASSERT_TRUE(json.is_object()) << "stdout holds more than JSON: " << outcome.out;
+    EXPECT_EQ(json.at("scene"), "tall_stack");
+    EXPECT_EQ(json.at("step"), 30);
+    EXPECT_EQ(json.at("a").at("number"), 0);
+    EXPECT_EQ(json.at("a").at("type"), "static");
+    EXPECT_EQ(json.at("b").at("type"), "dynamic");
+    EXPECT_EQ(json.at("rung"), "touch");
+    EXPECT_TRUE(json.at("disagreements").empty());
+    const Json& pair = json.at("pairs").at(json.at("deciding").get<std::size_t>());
+    EXPECT_EQ(pair.at("shape_a").at("type"), "box");
+    EXPECT_EQ(pair.at("filter").at("any_moves"), true);
+    EXPECT_LE(pair.at("bounds").at("gap"), 0.0);
+    EXPECT_EQ(pair.at("broadphase").at("listed"), true);
+    EXPECT_NE(pair.at("broadphase").at("place"), "");
+    EXPECT_EQ(pair.at("found").at("points"), 4);
+    EXPECT_EQ(pair.at("origin").size(), 3u);
+    const Json& contact = pair.at("contact");
+    EXPECT_EQ(contact.at("verdict"), "touching");
+    EXPECT_EQ(contact.at("axis").at("source"), "face of A");
+    EXPECT_LT(contact.at("axis").at("gap"), 0.0);
+    EXPECT_EQ(contact.at("distance").at("upper"), 0.0);
+    EXPECT_EQ(contact.at("manifolds").at(0).at("points").size(), 4u);
+    EXPECT_EQ(contact.at("patch").at("common").size(), 4u);
+}
+
+TEST(Why, BodiesMayBeNamed) {
+    const TemporaryFolder folder;
+    const std::string file = folder.write("two.json", R"({"bodies": [
+        {"name": "ground", "type": "static", "shapes": [{"type": "plane", "normal": [0, 1, 0], "offset": 0}]},
+        {"name": "crate", "position": [0, 0.5, 0], "shapes": [{"type": "box", "half_extents": [0.5, 0.5, 0.5]}]},
+        {"name": "twin", "position": [9, 0.5, 0], "shapes": [{"type": "sphere", "radius": 0.5}]},
+        {"name": "twin", "position": [9, 3, 0], "shapes": [{"type": "sphere", "radius": 0.5}]}]})");
+    const Outcome outcome = carom({"why", "crate", "ground", file, "--steps", "3"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_TRUE(has(outcome.out, "B is body 0 (ground, plane, static)")) << outcome.out;
+    EXPECT_TRUE(has(outcome.out, "the list of planes lists them")) << outcome.out;
+    EXPECT_TRUE(has(outcome.out, "they touch because")) << outcome.out;
+    expect_refused({"why", "crate", "twin", file}, {"B", "more than one", "twin"});
+    expect_refused({"why", "crte", "ground", file}, {"A", "crte"});
+}
+
+TEST(Why, BadInputIsNamed) {
+    const TemporaryFolder folder;
+    const std::string file = folder.write("file", "keep me");
+    expect_refused({"why"}, {"A"});
+    expect_refused({"why", "0", "1"}, {"SCENE"});
+    expect_refused({"why", "0", "1", "kettle"}, {"kettle", "tall_stack"});
+    const std::vector<std::string> stack{"tall_stack", "--bodies", "3", "--steps", "4"};
+    const auto with = [&](std::vector<std::string> words, const std::vector<std::string>& more = {}) {
+        words.insert(words.end(), stack.begin(), stack.end());
+        words.insert(words.end(), more.begin(), more.end());
+        return words;
+    };
+    expect_refused(with({"why", "0", "77"}), {"B", "77", "highest is 3"});
+    expect_refused(with({"why", "4294967296", "1"}), {"A", "4294967296"});
+    expect_refused(with({"why", "2", "2"}), {"one body", "2"});
+    expect_refused(with({"why", "0", "1"}, {"--step", "5"}), {"--step", "4 steps"});
+    expect_refused(with({"why", "0", "1"}, {"--step", "-1"}), {"--step", "-1"});
+    expect_refused(with({"why", "0", "1"}, {"--step", "two"}), {"--step", "two"});
+    expect_refused(with({"why", "0", "1"}, {"--json", file + "/report.json"}), {file + "/report.json"});
+    if (CAROM_HAS_VIZ) {
+        expect_refused(with({"why", "0", "1"}, {"--picture", folder.path("p.png"), "--size", "8x8"}), {"--size"});
+        expect_refused(with({"why", "0", "1"}, {"--size", "80x80"}), {"--picture"});
+    }
+}
+
+TEST(Why, FramesHoldALayerForEachThing) {
+    if (!CAROM_HAS_VIZ) GTEST_SKIP() << "a build without viz";
+    const TemporaryFolder folder;
+    const Outcome outcome = carom({"why", "0", "1", "tall_stack", "--bodies", "3", "--steps", "9", "--vtk", folder.path("out")});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_TRUE(std::filesystem::exists(folder.path("out/frames.pvd")));
+    std::string files;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(folder.path("out"))) files += entry.path().filename().string() + " ";
+    for (const char* layer : {"why-axis", "why-simplex", "why-manifold", "why-patch"}) EXPECT_TRUE(has(files, layer)) << layer << ": " << files;
+}
+
+/// The words of a command as a document has it after "$ carom"; quotes hold words together.
+std::vector<std::string> words_of(const std::string& command) {
+    std::vector<std::string> words{""};
+    bool quoted = false;
+    for (const char c : command) {
+        if (c == '"') {
+            quoted = !quoted;
+        } else if (c == ' ' && !quoted) {
+            words.emplace_back();
+        } else {
+            words.back() += c;
+        }
+    }
+    for (std::string& word : words) {
+        if (word.starts_with("scenes/")) word = std::string(CAROM_TEST_DATA) + "/../" + word;
+    }
+    return words;
+}
+
+/// Numbers may change with the engine; what is said about them may not.
+std::string without_numbers(const std::string& text) {
+    return std::regex_replace(text, std::regex("-?[0-9][0-9.]*(e[-+]?[0-9]+)?"), "#");
+}
+
+TEST(Why, SaysWhatTheDocumentsShow) {
+    std::ifstream file(std::string(CAROM_TEST_DATA) + "/../docs/cli.md");
+    const std::string prompt = "$ carom why";
+    int shown = 0;
+    for (std::string line; std::getline(file, line);) {
+        if (!line.starts_with(prompt)) continue;
+        const std::string command = line.substr(8);
+        std::string expected, last;
+        while (std::getline(file, line) && line != "```") {
+            expected += line.substr(0, 12) + "\n";
+            last = line;
+        }
+        const Outcome outcome = carom(words_of(command));
+        EXPECT_EQ(outcome.code, 0) << command << "\n" << outcome.err;
+        std::istringstream out(outcome.out);
+        std::string rungs, sentence;
+        for (std::string said; std::getline(out, said);) {
+            rungs += said.substr(0, 12) + "\n";
+            sentence = said;
+        }
+        EXPECT_EQ(without_numbers(sentence), without_numbers(last)) << command;
+        EXPECT_EQ(rungs, expected) << command;
+        ++shown;
+    }
+    EXPECT_GE(shown, 3);
+}
+
+}  // namespace
+}  // namespace carom::test
