@@ -230,8 +230,9 @@ TEST_F(ReadScene, NamesKeysOfHullsAndMeshes) {
     expect_error(read_shape(R"("type": "convex_hull", "points": [[0,0,0],[1,0]])"), ErrorCode::WrongType,
                  at + ".points[1]");
     expect_error(read_shape(R"("type": "convex_hull", "generate": "bunny")"), ErrorCode::UnknownName, at + ".generate");
-    expect_error(read_shape(R"("type": "triangle_mesh", "generate": "teapot", "size": 1)"), ErrorCode::WrongType, at);
     const std::string mesh = R"("type": "triangle_mesh", )";
+    EXPECT_TRUE(read_shape(mesh + R"("generate": "teapot", "size": 1)")) << "a body that is a mesh";
+    expect_error(read_shape(mesh + R"("vertices": [[0,0,0],[1,0,0],[0,1,0]], "triangles": [[0,1,2]])"), ErrorCode::Degenerate, at);
     expect_error(read_shape(mesh + R"("generate": "bunny")", "static"), ErrorCode::UnknownName, at + ".generate");
     expect_error(read_shape(mesh + R"("generate": "teapot")", "static"), ErrorCode::Empty, at);
     expect_error(read_shape(mesh + R"("generate": "teapot", "size": 1, "chord_error": 1e-9)", "static"),
