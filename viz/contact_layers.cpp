@@ -120,6 +120,7 @@ private:
     void paint_simplex(const DistanceBounds& distance) {
         if (distance.simplex_a.empty()) return;
         DebugLayer& out = layer(kWhySimplex);
+        out.visible = !distance.cores_overlap;  // then it only proves the overlap, and hides the contacts
         out.line_width = 3.0f;
         corners_of_simplex(out, distance.simplex_a, kLineA);
         corners_of_simplex(out, distance.simplex_b, kLineB);

@@ -9,7 +9,28 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <string>
+
 namespace carom::cli {
+namespace {
+
+// Lines of at most 70 characters, which fit into a picture 800 pixels wide.
+std::string wrapped(const std::string& text) {
+    std::string out, line;
+    for (std::size_t begin = 0; begin < text.size();) {
+        const std::size_t end = std::min(text.find(' ', begin), text.size());
+        if (!line.empty() && line.size() + 1 + (end - begin) > 70) {
+            out += line + "\n";
+            line.clear();
+        }
+        line += (line.empty() ? "" : " ") + text.substr(begin, end - begin);
+        begin = end + 1;
+    }
+    return out + line;
+}
+
+}  // namespace
 
 void add_why_picture_options(CLI::App& command, WhyPictureOptions& options) {
     CLI::Option* picture =
@@ -33,7 +54,7 @@ Status draw_why(const scenes::SceneRun& run, const ContactExplanation& why, cons
     if (options.picture.empty() && options.vtk.empty()) return {};
     DebugFrame frame = make_contact_frame(run.world, why);
     if (frame.layers.empty()) return Error{ErrorCode::Empty, "there are no shapes to draw", "--picture"};
-    frame.caption = fmt::format("{}, step {}: {}", run.name, why.step, why.sentence);
+    frame.caption = wrapped(fmt::format("{}, step {}: {}", run.name, why.step, why.sentence));
     if (!options.vtk.empty()) {
         VtpSeriesWriter series(options.vtk);
         if (Status status = series.add(frame, static_cast<double>(why.step) * run.dt); !status) return status;
