@@ -41,7 +41,7 @@ bool is_distance(const Polytope& a, const Polytope& b, const ContactAxis& axis) 
 }  // namespace
 
 ContactAxis greatest_separation(const Polytope& a, const Polytope& b, const dvec3& point_of_a, const dvec3& point_of_b, double enough) {
-    const FacePair faces = best_faces(a, b, point_of_a, point_of_b, enough);
+    const FaceSeparations faces = best_faces(a, b, point_of_a, point_of_b, enough);
     ContactAxis axis;
     if (faces.of_b.separation > faces.of_a.separation) {
         axis = {AxisKind::FaceOfB, -b.normal(faces.of_b.plane), faces.of_b.separation, {}, {}, 0, faces.of_b.plane};

@@ -193,9 +193,9 @@ FaceSeparation best_plane(std::span<const PlaneBundle> planes, std::span<const P
     return best;
 }
 
-FacePair BestFaces(const Polytope& a, const Polytope& b, const dvec3& point_of_a, const dvec3& point_of_b, double enough) {
+FaceSeparations BestFaces(const Polytope& a, const Polytope& b, const dvec3& point_of_a, const dvec3& point_of_b, double enough) {
     std::vector<DoubleBundle>& promises = lane_scratch().promises;
-    FacePair pair;
+    FaceSeparations pair;
     pair.of_a = best_plane(a.planes, b.points, point_of_b, -kInfinity, enough, promises);
     if (!(pair.of_a.separation > enough)) pair.of_b = best_plane(b.planes, a.points, point_of_a, pair.of_a.separation, enough, promises);
     return pair;
@@ -343,7 +343,7 @@ void place_polytope(std::span<const PointBundle> points, std::span<const PlaneBu
 }
 Extreme lowest(const Polytope& p, const dvec3& direction) noexcept { return HWY_DYNAMIC_DISPATCH(Lowest)(p.points, direction); }
 Extreme face_along(const Polytope& p, const dvec3& direction) noexcept { return HWY_DYNAMIC_DISPATCH(FaceAlong)(p.planes, direction); }
-FacePair best_faces(const Polytope& a, const Polytope& b, const dvec3& point_of_a, const dvec3& point_of_b, double enough) {
+FaceSeparations best_faces(const Polytope& a, const Polytope& b, const dvec3& point_of_a, const dvec3& point_of_b, double enough) {
     return HWY_DYNAMIC_DISPATCH(BestFaces)(a, b, point_of_a, point_of_b, enough);
 }
 FaceSeparation best_side(const Polytope& triangle, const Polytope& other, double floor) {

@@ -1,7 +1,7 @@
 // What is done with all vertices, planes or edges of a polytope at once, in lanes.
 //
 //   const Extreme low = lowest(b, normal);                                   // a support point
-//   const FacePair faces = best_faces(a, b, point_of_a, point_of_b, margin); // the faces that separate best
+//   const FaceSeparations faces = best_faces(a, b, point_of_a, point_of_b, margin); // the faces that separate best
 //
 // A double a lane, eight lanes to a bundle, the same bits at every width: what is compared are dot products that each lane computes as a
 // scalar would, and of equal ones the lowest number counts.
@@ -38,7 +38,7 @@ struct FaceSeparation {
     std::uint32_t deepest = 0;
 };
 
-struct FacePair {
+struct FaceSeparations {
     FaceSeparation of_a, of_b;
 };
 
@@ -47,7 +47,7 @@ struct FacePair {
 /// Where a face separates by more than `enough`, nothing more is looked for.
 /// @param point_of_a, point_of_b  any points of the two; the nearer to the contact, the fewer faces are tried.
 /// b's faces count where they do better than a's; where none does, `of_b.separation` is a's, and `deepest` some vertex of a.
-[[nodiscard]] FacePair best_faces(const Polytope& a, const Polytope& b, const dvec3& point_of_a, const dvec3& point_of_b, double enough);
+[[nodiscard]] FaceSeparations best_faces(const Polytope& a, const Polytope& b, const dvec3& point_of_a, const dvec3& point_of_b, double enough);
 
 /// The same for the sides of a triangle against `other`, for what does better than `floor`.
 [[nodiscard]] FaceSeparation best_side(const Polytope& triangle, const Polytope& other, double floor);
