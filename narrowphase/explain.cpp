@@ -87,16 +87,48 @@ Nearest nearest_solids(const Placed& a, const Placed& b, const std::vector<Manif
     return best;
 }
 
-Nearest nearest_to_plane(const Placed& solid, const Placed& plane) {
+HalfSpace half_space(const Placed& plane) {
     const Plane& p = std::get<Plane>(plane.shape);
     const dvec3 normal = plane.axes * dvec3(p.normal);
-    const HalfSpace half{normal, static_cast<double>(p.offset) + glm::dot(normal, plane.origin)};
+    return {normal, static_cast<double>(p.offset) + glm::dot(normal, plane.origin)};
+}
+
+Nearest nearest_to_plane(const Placed& solid, const Placed& plane) {
+    const HalfSpace half = half_space(plane);
     Nearest best;
     for (const Part& part : parts_of(solid)) {
         PieceFinding finding = detail::compare(part.piece, half);
         if (best.found && !(finding.axis.gap < best.finding.axis.gap)) continue;
         best = {true, std::move(finding), part.number, 0, 0, part.piece, {}};
     }
+    return best;
+}
+
+std::array<dvec3, 3> corners_of(const Placed& mesh, std::uint32_t triangle) {
+    std::array<dvec3, 3> corners{};
+    const auto own = std::get<TriangleMeshPtr>(mesh.shape)->corners(triangle);
+    for (std::size_t k = 0; k < 3; ++k) corners[k] = mesh.origin + mesh.axes * dvec3(own[k]);
+    return corners;
+}
+
+/// The triangle that reaches deepest into a half-space.
+Nearest nearest_of_mesh_to_plane(const Placed& mesh, const Placed& plane) {
+    const HalfSpace half = half_space(plane);
+    std::optional<std::uint32_t> deepest;
+    double least = 0.0;
+    for (std::uint32_t t = 0; t < std::get<TriangleMeshPtr>(mesh.shape)->triangles().size(); ++t) {
+        for (const dvec3& corner : corners_of(mesh, t)) {
+            const double height = glm::dot(half.normal, corner);
+            if (deepest && !(height < least)) continue;
+            deepest = t;
+            least = height;
+        }
+    }
+    Nearest best;
+    best.found = true;
+    best.triangle = *deepest;  // a mesh has at least one
+    best.a = detail::make_triangle(corners_of(mesh, *deepest));
+    best.finding = detail::compare(best.a, half);
     return best;
 }
 
@@ -114,12 +146,9 @@ void look_at_triangles(const Part& part, const Placed& mesh, double reach, const
     for (double r = std::max(reach, 1e-3 * radius);; r *= 8.0) {
         const Aabb around = inflate(Aabb{middle, middle}, radius + r);
         triangles.overlap(around, [&](std::uint32_t t) {
-            std::array<dvec3, 3> corners{};
+            const std::array<dvec3, 3> corners = corners_of(mesh, t);
             Aabb box;
-            for (std::size_t k = 0; k < 3; ++k) {
-                corners[k] = mesh.origin + mesh.axes * dvec3(triangles.corners(t)[k]);
-                box = merge(box, {corners[k], corners[k]});
-            }
+            for (const dvec3& corner : corners) box = merge(box, {corner, corner});
             if (best.found && box_gap(part.piece.box, box) > best.finding.axis.gap) return true;
             ConvexPiece triangle = detail::make_triangle(corners);
             if (!triangle.polytope) return true;  // without an area it collides with nothing
@@ -153,6 +182,8 @@ Nearest find_nearest(const Placed& a, const Placed& b, double margin, const std:
     if (is_solid(b.shape) && type_a == ShapeType::Plane) return swapped(nearest_to_plane(b, a));
     if (is_solid(a.shape) && type_b == ShapeType::TriangleMesh) return nearest_to_mesh(a, b, margin, manifolds, false);
     if (is_solid(b.shape) && type_a == ShapeType::TriangleMesh) return swapped(nearest_to_mesh(b, a, margin, manifolds, true));
+    if (type_a == ShapeType::TriangleMesh && type_b == ShapeType::Plane) return nearest_of_mesh_to_plane(a, b);
+    if (type_b == ShapeType::TriangleMesh && type_a == ShapeType::Plane) return swapped(nearest_of_mesh_to_plane(b, a));
     return {};
 }
 
