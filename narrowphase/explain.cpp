@@ -222,9 +222,9 @@ std::string disagreement_of(const ShapePair& pair, const Nearest& nearest, Colli
     if (deepest_one == nullptr && gap < margin - tolerance) return "no contact is reported although the two are nearer than the margin";
     const bool of_mesh = type_a == ShapeType::TriangleMesh || type_b == ShapeType::TriangleMesh;
     if (deepest_one == nullptr || of_mesh || status != CollideStatus::Ok) return "";
-    const double difference = static_cast<double>(separation) - gap;
-    // The corner of a box that is nearest along the axis may lie beside the other's face, where there is no point while the two are apart.
-    const bool same = boxes && gap > 0.0 ? difference >= -tolerance : std::abs(difference) <= tolerance;
+    // Of two boxes that are apart the nearest corner may lie beside the other's face: what the faces share is farther apart then.
+    const double above = static_cast<double>(separation) - gap;
+    const bool same = std::abs(above) <= tolerance || (boxes && gap > 0.0 && above > 0.0);
     return same ? "" : "the deepest contact is not as deep as the two overlap along the best axis";
 }
 
