@@ -88,6 +88,7 @@ StepReport World::step(double dt) {
         w.names.now.clear();
     }
 
+    bool reuses = false;  // contacts of the step before
     if (choices.contacts) {
         step.run(Stage::Bounds, [&] { dynamics::update_swept_bounds(w.proxies, w.arrays, motion, executor); });
         step.run(Stage::Pairs, [&] {
@@ -103,15 +104,15 @@ StepReport World::step(double dt) {
             step.report.boxes_removed = changes.removed.size();
             step.report.pairs_limited = found.status != PairStatus::Complete;
             dynamics::list_candidates(w.proxies, w.arrays, found.pairs, dt, executor, w.candidates);
-            if (w.def.contact_reuse > 0.0) dynamics::name_candidates(w.proxies, w.def.contact_reuse, w.candidates, w.names);
+            reuses = w.def.contact_reuse > 0.0 && dynamics::name_candidates(w.proxies, w.def.contact_reuse, w.candidates, w.names);
             step.report.pairs = w.candidates.size();
         });
         step.run(Stage::Collide, [&] {
             const PlacedShapes placed{w.proxies.shapes, w.proxies.poses};
             std::vector<Manifold>& found = w.contacts.manifolds;
             const CollideCounts counts =
-                w.def.contact_reuse > 0.0 ? collide(placed, w.candidates, w.previous.manifolds, executor, w.collide_scratch, found)
-                                          : collide(placed, w.candidates, executor, w.collide_scratch, found);
+                reuses ? collide(placed, w.candidates, w.previous.manifolds, executor, w.collide_scratch, found)
+                       : collide(placed, w.candidates, executor, w.collide_scratch, found);
             step.report.undecided = counts.undecided;
             step.report.reused = counts.reused;
             dynamics::link_manifolds(w.contacts, [&](std::uint32_t i) { return dynamics::contact_pair(w.proxies, w.candidates[i]); });

@@ -88,6 +88,7 @@ void put_proxy(ProxySet& set, Proxy proxy, const ProxyFilter& filter) {
         set.stale.resize(size, 0);
         set.listed.resize(size, 0);
         set.versions.resize(size, 0);
+        set.boxlike.resize(size, 0);
     }
     const bool bounded = is_bounded(proxy.shape);
     if (!bounded) set.planes.insert(std::lower_bound(set.planes.begin(), set.planes.end(), slot), slot);
@@ -95,6 +96,7 @@ void put_proxy(ProxySet& set, Proxy proxy, const ProxyFilter& filter) {
     set.filters[slot] = filter;
     set.stale[slot] = 1;
     ++set.versions[slot];
+    set.boxlike[slot] = type_of(proxy.shape) == ShapeType::Box ? 1 : 0;
     set.bodies[slot] = proxy.body;
     set.extents[slot] = proxy.extent;
     set.by_slot[slot] = std::move(proxy);
@@ -196,7 +198,12 @@ std::uint64_t key_of(const ProxySet& set, const NumberedPair& candidate) noexcep
 
 }  // namespace
 
-void name_candidates(const ProxySet& set, double share, std::span<NumberedPair> candidates, CandidateNames& names) {
+bool name_candidates(const ProxySet& set, double share, std::span<NumberedPair> candidates, CandidateNames& names) {
+    const auto two_boxes = [&](const NumberedPair& pair) { return (set.boxlike[pair.a] & set.boxlike[pair.b]) != 0; };
+    if (std::all_of(candidates.begin(), candidates.end(), two_boxes)) {
+        names.now.clear();
+        return false;
+    }
     std::swap(names.before, names.now);
     names.now.resize(candidates.size());
     const std::vector<CandidateName>& before = names.before;
@@ -205,12 +212,13 @@ void name_candidates(const ProxySet& set, double share, std::span<NumberedPair> 
         NumberedPair& pair = candidates[k];
         const CandidateName name{key_of(set, pair), set.versions[pair.a], set.versions[pair.b]};
         names.now[k] = name;
-        pair.slack = static_cast<float>(share * std::min(set.extents[pair.a], set.extents[pair.b]));
+        pair.slack = two_boxes(pair) ? 0.0f : static_cast<float>(share * std::min(set.extents[pair.a], set.extents[pair.b]));
         while (old < before.size() && before[old].key < name.key) ++old;
         const bool same = old < before.size() && before[old].key == name.key && before[old].version_a == name.version_a &&
                           before[old].version_b == name.version_b;
         pair.last = same ? static_cast<std::uint32_t>(old) : kNewPair;
     }
+    return true;
 }
 
 ContactPair contact_pair(const ProxySet& set, const NumberedPair& candidate) noexcept {

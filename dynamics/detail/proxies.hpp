@@ -67,6 +67,7 @@ struct ProxySet {
     std::vector<unsigned char> stale;     ///< 1: came or changed since the last update: the box must be made anew although the body is static
     std::vector<unsigned char> listed;    ///< 1: the broadphase has a box of this slot
     std::vector<std::uint32_t> versions;  ///< how many proxies have stood there
+    std::vector<unsigned char> boxlike;   ///< 1: a box, whose contacts with others are found anew as fast as they are carried along
     std::vector<std::uint32_t> planes;    ///< slots of the unbounded ones, ascending: the side list
     std::vector<std::uint32_t> moved;     ///< slots whose boxes the last update made anew, ascending
     std::vector<std::uint32_t> removed;   ///< slots that the broadphase has to let go
@@ -122,8 +123,9 @@ struct CandidateNames {
 };
 
 /// Numbers each candidate by the same pair of the same two shapes in the step before, and gives it the slack `share` times the smaller
-/// shape's smallest extent.
-void name_candidates(const ProxySet& set, double share, std::span<NumberedPair> candidates, CandidateNames& names);
+/// shape's smallest extent, but for two boxes.
+/// @return whether there are any but those: otherwise nothing is numbered.
+bool name_candidates(const ProxySet& set, double share, std::span<NumberedPair> candidates, CandidateNames& names);
 
 /// @return the pair of a candidate.
 [[nodiscard]] ContactPair contact_pair(const ProxySet& set, const NumberedPair& candidate) noexcept;

@@ -13,7 +13,7 @@ using namespace test;
 World stack_of(double reuse) {
     World world({.contact_reuse = reuse});
     const BodyId ground = world.create_body({.type = BodyType::Static});
-    world.add_shape(ground, Box{{5, 0.5f, 5}}, {.local = {{0, -0.5, 0}, kIdentityRotation}});
+    world.add_shape(ground, Plane{{0, 1, 0}, 0.0f});
     for (int i = 0; i < 6; ++i) {
         const BodyId body = world.create_body({.position = {0.02 * i, 0.501 + 1.001 * i, 0}});
         world.add_shape(body, Box{{0.5f, 0.5f, 0.5f}});
@@ -40,7 +40,7 @@ TEST(ContactReuse, AStackRestsWhereItRestsWithoutIt) {
 TEST(ContactReuse, AnotherShapeAtTheSamePlaceHasItsOwnContacts) {
     World world({.gravity = {0, 0, 0}});
     const BodyId ground = world.create_body({.type = BodyType::Static});
-    world.add_shape(ground, Box{{5, 0.5f, 5}}, {.local = {{0, -0.5, 0}, kIdentityRotation}});
+    world.add_shape(ground, Plane{{0, 1, 0}, 0.0f});
     BodyId body = world.create_body({.position = {0, 0.499, 0}});
     world.add_shape(body, Box{{0.5f, 0.5f, 0.5f}});
     const auto points = [&] {
