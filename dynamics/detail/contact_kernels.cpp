@@ -82,6 +82,8 @@ CAROM_PASS_INLINE void solve_friction(PointLanes& p, int lane, Floats friction, 
 
 /// A pair at its push limit is parted at least at this share of it.
 constexpr float kJamShare = 0.004f;
+/// ... until the impulse of a substep is this many times what would give the pair the speed of its limit: twice what leaks.
+constexpr float kJamMost = 8.0f;
 
 struct SoftLanes {
     Floats bias_rate, mass_scale, impulse_scale, push_limit;
@@ -109,9 +111,11 @@ CAROM_PASS_INLINE void solve_normal(PointLanes& p, int lane, const SoftLanes& so
     const Floats mass = get(p.normal_mass, lane);
     Floats change = -(mass * mass_scale * (vn + bias)) - impulse_scale * old;
     if constexpr (kBias) {
-        // What leaks away bounds a push at its limit. Where others jam the pair, it has to grow until they give way, if slowly.
+        // What leaks away bounds a push at its limit. Where others jam the pair, it has to grow until they give way, if slowly; and not for
+        // ever, for they may be unable to.
         const Mask at_limit = soft.bias_rate * separation < -soft.push_limit;
-        const Floats growing = mass * (broadcast(kJamShare) * soft.push_limit - vn);
+        const Floats push = mass * soft.push_limit;
+        const Floats growing = min(mass * (broadcast(kJamShare) * soft.push_limit - vn), max(broadcast(kJamMost) * push - old, zero));
         change = select(at_limit, max(change, growing), change);
     }
     const Floats accumulated = max(old + change, zero);

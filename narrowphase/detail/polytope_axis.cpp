@@ -53,7 +53,7 @@ ContactAxis greatest_separation(const Polytope& a, const Polytope& b, const dvec
     const double floor = std::min(0.0, axis.separation);
     const dvec3 points_of_a[2] = {point_of_a, a.vertex(faces.of_b.deepest)}, points_of_b[2] = {point_of_b, b.vertex(faces.of_a.deepest)};
     const EdgePair edges = best_edges(a, b, points_of_a, points_of_b, floor);
-    const double needed = std::max(axis.separation + kFacePreference * std::max(a.size, b.size), edges.separation);
+    const double needed = std::max(axis.separation + kFacePreference * common_size(a, b), edges.separation);
     if (b.side_count > 0) {
         const FaceSeparation side = best_side(b, a, needed);
         if (side.separation > needed) return axis_of_side(a, b, side);
@@ -68,8 +68,8 @@ ContactAxis greatest_separation(const Polytope& a, const Polytope& b, const dvec
 }
 
 bool find_axis(Polytope& a, Polytope& b, const dvec3& point_of_a, const dvec3& point_of_b, double margin, ContactAxis& axis) {
-    const double touching = kTouching * std::max(a.size, b.size);
-    // A face plane is off by rounding of the size, far below `touching`: what is farther by it is farther for certain.
+    const double touching = kTouching * common_size(a, b);
+    // What is farther by `touching`, which is more than rounding, is farther for certain.
     axis = greatest_separation(a, b, point_of_a, point_of_b, margin + touching);
     if (axis.separation > margin) return false;
     if (axis.separation <= touching || is_distance(a, b, axis)) return true;

@@ -20,6 +20,18 @@ struct ContactAxis {
     std::uint32_t feature_b = 0;
 };
 
+/// The size that tolerances of a pair are shares of: the larger one's, but of a shape much larger than the other not more than a few of the
+/// other, above what doubles round of the larger one.
+[[nodiscard]] inline double common_size(double a, double b) noexcept {
+    const double larger = a > b ? a : b, smaller = a > b ? b : a;
+    const double few = 8.0 * smaller + 1e-8 * larger;
+    return few < larger ? few : larger;
+}
+/// Of a triangle only its being large counts: a mesh may be as fine as it likes.
+[[nodiscard]] inline double common_size(const Polytope& a, const Polytope& b) noexcept {
+    return b.side_count > 0 && b.size < a.size ? a.size : common_size(a.size, b.size);
+}
+
 /// The greatest separation over the faces of both polytopes and the pairs of their edges whose arcs on the Gauss map cross (Gregorius,
 /// The Separating Axis Test between Convex Polyhedra, GDC 2013); where they overlap, the least depth. A face wins over edges within
 /// kFacePreference of the size.

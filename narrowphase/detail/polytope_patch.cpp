@@ -48,7 +48,7 @@ FacePolygon polygon_of(const Polytope& p, std::uint32_t face, const ContactPlane
 
 void build_patch(const Polytope& a, const Polytope& b, const ContactAxis& axis, double margin, AxisPoint axis_point,
                  PolygonScratch& scratch, Patch& patch) {
-    const double size = std::max(a.size, b.size);
+    const double size = common_size(a, b);
     const ContactPlane plane = contact_plane(axis.normal, margin, kInsideTolerance * size);
 
     const std::uint32_t face_a = axis.kind == AxisKind::FaceOfA ? axis.feature_a : face_along(a, plane.normal).number;

@@ -7,8 +7,8 @@
 // Seen from the larger of two shapes L, which carries all of space with it, a point r of the smaller one S moves in a batch by
 // u + (E_S - E_L) r, where E is a turn less the identity, d the motion of an origin, and u = d_S - d_L - E_L (p_S - p_L). With w the axial vector
 // of E_S - E_L, that is u + w x r and a rest of second order. The sums U of the u and W of the w since the pair was last looked at say how
-// far the point has come: by m = |U| + |W| reach + rest at most, where the rest holds the symmetric parts of E, |E|^2 / 2 reach each, and
-// what turning the sums along with L would change, |E_L| (|U| + |W| reach) in each batch. So:
+// far the point has come: by m = |U| + |W| reach + rest at most, where the rest holds the symmetric parts of E, |E|^2 / 2 reach each, what
+// turning the sums along with L would change, |E_L| (|U| + |W| reach) in each batch, and what r has turned itself, |w| |W| reach. So:
 // - A pair that was farther apart than margin + m is farther apart than the margin.
 // - The separation along any direction has changed by at most m. The points of a manifold are carried by both shapes, and their
 //   separations are taken between where they are now: right to second order, m^2 / size, as long as the same features decide; where others
@@ -17,6 +17,7 @@
 //   a rolling body would stand on a flat spot of the size of the slack. Of spheres and capsules it is the point of the core that is carried,
 //   and the contact is a radius away from it along the new normal, which is the other shape's, or that of the two cores. Manifolds of
 //   cylinders, of cones and of compounds with curved parts are not carried.
+// - Of a mesh, the side on which the centre of the other shape lies is that of the last look.
 // A pair is looked at anew where m exceeds its slack, where the margin has grown by more than the slack leaves, and in one of kMostReuses
 // batches, since each rounds positions to floats.
 #pragma once

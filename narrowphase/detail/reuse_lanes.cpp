@@ -80,8 +80,10 @@ std::uint32_t FindReusable(std::span<const MotionLine> lines, const ReuseBundle&
         const Floats3 turn = turn_before + select(b_smaller, turn_ab, -turn_ab);
         const Floats size_a = a.size_sq(), size_b = b.size_sq();
         const Floats come = length(shift_before) + length(turn_before) * reach;
-        const Floats second = Floats(0.5f) * ((size_a + size_b) * reach) + sqrt(select(b_smaller, size_a, size_b)) * come;
-        const Floats rounding = Floats(1e-6f) * (((length(a.motion) + length(b.motion)) + length(carried)) + (sqrt(size_a) + sqrt(size_b)) * reach);
+        const Floats turning = length(turn_ab) * length(turn_before) * reach;  // r turns with S
+        const Floats second = (Floats(0.5f) * ((size_a + size_b) * reach) + turning) + sqrt(select(b_smaller, size_a, size_b)) * come;
+        const Floats swept = sqrt(select(b_smaller, size_a, size_b)) * length(apart);
+        const Floats rounding = Floats(1e-6f) * (((length(a.motion) + length(b.motion)) + swept) + (sqrt(size_a) + sqrt(size_b)) * reach);
         const Floats rest = rest_before + (second + rounding);
         const Floats now = (length(shift) + length(turn) * reach) + rest;
         put(drift.shift, lane, shift);
@@ -113,7 +115,7 @@ struct Carrier {
     HWY_INLINE Floats3 core_b(const WidePoint& point) const {
         return (point.position + normal * (Floats(0.5f) * point.separation + b.radius)) - apart;
     }
-    // @param first  the first point, the only one where both are round.
+    // @param first  the first point: where both are round, a second one, of capsules along each other, has the same normal.
     HWY_INLINE Floats3 turned_normal(const WidePoint& first) const {
         const Floats zero(0.0f);
         const Mask round_a = a.radius > zero, round_b = b.radius > zero;
@@ -132,8 +134,9 @@ struct Carrier {
         const Floats3 swing = new_normal - normal;  // moves the surface of what is round
         const Floats3 from_a = a.turned(core_a(point)) + swing * a.radius;
         const Floats3 from_b = (b.turned(core_b(point)) - swing * b.radius) + relative;
-        // The old separation along the new normal is shorter by the square of the turn: nothing that rests may change, not even by rounding.
-        const Floats separation = point.separation + dot(new_normal, from_b - from_a);
+        // The old separation is shorter along the new normal: by 1 - n n' = |n' - n|^2 / 2, so that nothing that rests changes by rounding.
+        const Floats shorter = point.separation * (Floats(0.5f) * dot(swing, swing));
+        const Floats separation = (point.separation - shorter) + dot(new_normal, from_b - from_a);
         // The contact of what is round stays below its core, wherever the other shape's point has gone.
         const Floats half(0.5f), zero(0.0f);
         const Floats3 old_half = normal * (half * point.separation), new_half = new_normal * (half * separation);

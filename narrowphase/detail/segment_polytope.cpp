@@ -21,7 +21,7 @@ ContactAxis face_axis(const Segment& s, const Polytope& p) noexcept {
 // edge's two faces.
 void try_edges(const Segment& s, const Polytope& p, std::vector<std::uint32_t>& edges, ContactAxis& axis) {
     const dvec3 d = s.to - s.from;
-    const double needed = axis.separation + kFacePreference * std::max(p.size, std::sqrt(glm::dot(d, d)));
+    const double needed = axis.separation + kFacePreference * common_size(p.size, std::sqrt(glm::dot(d, d)));
     const dvec3 ends[2] = {s.from, s.to};
     list_edges_above_both(p, ends, std::min(0.0, axis.separation), edges);
     for (const std::uint32_t k : edges) {
@@ -40,8 +40,9 @@ void try_edges(const Segment& s, const Polytope& p, std::vector<std::uint32_t>& 
     }
 }
 
-// The closest points of a polytope and a segment apart from it. The polytope's is over a face that an end is over, or on an edge next to
-// a plane that is below an end: a normal between those of the edge's planes separates from the segment.
+// The closest points of a polytope and a segment apart from it. The polytope's is in a face that an end is over, or on an edge next to
+// a plane that is below an end: a normal between those of the edge's planes separates from the segment. The face need not be the one that
+// separates best: the planes of faces that were merged lie a little outside of them.
 ContactAxis distance_axis(const Segment& s, const Polytope& p, std::vector<std::uint32_t>& edges) {
     const dvec3 ends[2] = {s.from, s.to};
     list_edges_above_one(p, ends, 0.0, edges);
@@ -57,6 +58,16 @@ ContactAxis distance_axis(const Segment& s, const Polytope& p, std::vector<std::
             least = sq;
             axis.on_a = on_a;
             axis.on_b = on_b;
+        }
+    }
+    for (std::uint32_t face = 0; face < p.face_count(); ++face) {
+        const dvec3 normal = p.normal(face);
+        for (const dvec3& end : ends) {
+            const double height = glm::dot(normal, end) - p.offset(face);
+            if (!(height > 0.0 && height * height < least && is_over_face(p, face, end))) continue;
+            least = height * height;
+            axis.on_a = end;
+            axis.on_b = end - height * normal;
         }
     }
     axis.separation = std::sqrt(least);

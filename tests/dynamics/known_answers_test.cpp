@@ -88,6 +88,26 @@ TEST(KnownAnswers, BouncingBallKeepsTheRestitutionOfItsImpact) {
     EXPECT_NEAR(apex, 2.0 * 0.25, 0.06);  // impact is placed to within a step
 }
 
+// A block between two that cannot give way is pushed harder, but not harder and harder.
+TEST(KnownAnswers, WhatIsWedgedForeverIsPushedWithinBounds) {
+    const auto pressed = [](int steps) {
+        World world({.gravity = {0, 0, 0}});
+        for (const double y : {0.0, 1.75}) world.add_shape(world.create_body({.type = BodyType::Static, .position = {0, y, 0}}), Box{{2, 0.5f, 2}});
+        const BodyId block = world.create_body({.position = {0, 0.875, 0}});
+        world.add_shape(block, Box{{0.5f, 0.5f, 0.5f}});
+        for (int i = 0; i < steps; ++i) world.step(kDt);
+        float most = 0.0f;
+        for (std::size_t i = 0; i < world.contact_count(); ++i) {
+            for (const float impulse : world.contact(i).normal_impulse) most = std::max(most, impulse);
+        }
+        EXPECT_NEAR(world.pose(block).position.y, 0.875, 0.125);  // neither of the two is passed through
+        return most;
+    };
+    const float soon = pressed(60);
+    EXPECT_GT(soon, 0.0f);
+    EXPECT_LT(pressed(1800), 1.2f * soon);
+}
+
 TEST(KnownAnswers, MomentumOfACollisionIsConserved) {
     World world({.gravity = {0, 0, 0}, .report_balance = true});
     const BodyId a = world.create_body({.position = {-2, 0, 0}, .linear_velocity = {3, 0, 0}});

@@ -1,6 +1,8 @@
 // Every pair of convex shapes against brute force: distance where apart, least depth where they overlap.
 #include "oracle.hpp"
 
+#include <carom/narrowphase/distance.hpp>
+
 #include <gtest/gtest.h>
 
 namespace carom {
@@ -88,6 +90,34 @@ TEST(ConvexPairs, SeparationIsThatOfBruteForce) {
             if (HasFatalFailure()) return;
         }
     }
+}
+
+// A block whose faces were scanned with noise: coplanar ones are merged, and their planes lie a little outside of some of their corners.
+TEST(ConvexPairs, RoundShapesOverMergedFacesAreNotLost) {
+    Random r(11);
+    int merged = 0;
+    for (int i = 0; i < 60; ++i) {
+        std::vector<vec3> points;
+        for (int k = 0; k < 150; ++k) {
+            dvec3 p{r.range(-0.5, 0.5), r.range(-0.5, 0.5), r.range(-0.5, 0.5)};
+            p[k / 50] = (k % 2 == 0 ? 0.5 : -0.5) + 1.5e-6 * r.range(-1, 1);
+            points.emplace_back(p);
+        }
+        const Shape hull = ConvexHull::build(points).value();
+        for (const ConvexHull::Face& face : std::get<ConvexHullPtr>(hull)->faces()) merged += face.edge_count > 4 ? 1 : 0;
+        for (int k = 0; k < 40; ++k) {
+            const float radius = static_cast<float>(std::pow(10.0, r.range(-3.0, -0.5)));
+            const Pose pose{{r.range(-0.48, 0.48), 0.5 + static_cast<double>(radius) * r.range(0.3, 1.0), r.range(-0.48, 0.48)}, kIdentityRotation};
+            const DistanceResult truth = distance(Sphere{1e-12f}, pose, hull, Pose{});
+            if (truth.status == DistanceStatus::Overlap || truth.upper > static_cast<double>(radius)) continue;  // beside the outermost points
+            const Shape ball = Sphere{radius};
+            std::vector<Manifold> found;
+            collide({&ball, &hull, pose, {}, 0.01f}, 0, found);
+            ASSERT_EQ(found.size(), 1u) << i << ' ' << k;
+            ASSERT_NEAR(found[0].points[0].separation, truth.upper - static_cast<double>(radius), 5e-6) << i << ' ' << k;
+        }
+    }
+    EXPECT_GT(merged, 10);
 }
 
 }  // namespace

@@ -228,6 +228,14 @@ TEST(Reuse, WhatRollsKeepsItsContactBelowItsCore) {
     ASSERT_EQ(crowd.found.size(), 1u);
     EXPECT_NEAR(crowd.found[0].normal.x, 1e-3 / 0.749, 1e-6);
     EXPECT_NEAR(crowd.found[0].points[0].separation, std::hypot(1e-3, 0.749) - 0.75, 2e-6);
+    // Where the two centres nearly coincide it turns by as much as they like.
+    Crowd deep;
+    deep.add(Sphere{0.5f}, Sphere{0.5f}, {}, 2e-3f);
+    deep.poses = {{{0, 0, 0}, kIdentityRotation}, {{0, 2e-3, 0}, kIdentityRotation}};
+    deep.collide_again();
+    deep.poses[1].position = {1.5e-3, 2e-3, 0};
+    EXPECT_EQ(deep.collide_again().reused, 1u);
+    EXPECT_NEAR(deep.found[0].points[0].separation, 2.5e-3 - 1.0, 1e-6);
 }
 
 TEST(Reuse, ThreadsChangeNothing) {
