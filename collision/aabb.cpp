@@ -146,7 +146,7 @@ double radius_of(const Capsule& capsule) {
     return (static_cast<double>(capsule.radius) + static_cast<double>(capsule.half_segment)) * (1.0 + 0x1p-50);
 }
 double radius_of(const Plane&) { return kInfinity; }
-double radius_of(const ConvexHullPtr& hull) { return longest_up(hull->vertices()); }
+double radius_of(const ConvexHullPtr& hull) { return hull->reach(); }
 double radius_of(const TriangleMeshPtr& mesh) { return longest_up(mesh->vertices()); }
 
 double rim_distance(float radius, float half_height) {

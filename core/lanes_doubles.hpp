@@ -55,9 +55,8 @@ HWY_INLINE DoubleMask operator>(Doubles a, Doubles b) { return DoubleMask{hn::Gt
 HWY_INLINE DoubleMask operator==(Doubles a, Doubles b) { return DoubleMask{hn::Eq(a.raw, b.raw)}; }
 /// @return `yes` where the mask is true, `no` elsewhere.
 HWY_INLINE Doubles select(DoubleMask m, Doubles yes, Doubles no) { return Doubles{hn::IfThenElse(m.raw, yes.raw, no.raw)}; }
-/// @return a < b ? a : b, and a > b ? a : b.
+/// @return a < b ? a : b.
 HWY_INLINE Doubles min(Doubles a, Doubles b) { return select(a < b, a, b); }
-HWY_INLINE Doubles max(Doubles a, Doubles b) { return select(a > b, a, b); }
 HWY_INLINE Doubles sqrt(Doubles a) { return Doubles{hn::Sqrt(a.raw)}; }
 
 /// Memory, aligned to kDoubleLanes doubles: any multiple of kDoubleLanes in a bundle is.

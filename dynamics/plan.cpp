@@ -86,7 +86,7 @@ Plan World::plan(double dt) const {
     plan.settings.push_back(sentence("contacts as springs of %.4g times the substep rate", def.contact_rate));
     plan.settings.push_back(sentence("damping ratio of contacts: %.4g", def.contact_damping));
     plan.settings.push_back(def.contact_reuse > 0.0
-                                ? sentence("contacts are carried along until two shapes have moved by %.4g of the smallest extent", def.contact_reuse)
+                                ? sentence("contacts, but of two boxes, are carried along until two shapes have moved by %.4g of the smallest extent", def.contact_reuse)
                                 : "contacts are found anew in every step");
     plan.settings.push_back(def.relax ? "a relax pass follows each substep" : "no relax pass: pushing overlap out adds energy");
     plan.settings.push_back(sentence("overlap is pushed out by at most %.4g of the smallest extent a step", def.max_push));

@@ -104,7 +104,7 @@ struct CollideBatch {
             if (last.size() != data.memory.manifold_count()) return {"collide: the manifolds are not those of the batch before"};
         }
         if (!detail::kernel_for(static_cast<ShapeType>(a), static_cast<ShapeType>(b)).exists()) {
-            return {"collide: two unbounded or mesh shapes have no contact", ErrorCode::WrongType};
+            return {"collide: two planes have no contact", ErrorCode::WrongType};
         }
         data.kinds[i] = static_cast<std::uint16_t>(a * static_cast<std::size_t>(kShapeTypeCount) + b);
         return {};
@@ -223,6 +223,8 @@ struct CollideBatch {
 
 CollideCounts collide(const PlacedShapes& placed, std::span<const NumberedPair> pairs, std::span<const Manifold> last,
                       Executor& executor, CollideScratch& scratch, std::vector<Manifold>& out) {
+    CAROM_REQUIRE(last.empty() || last.data() != out.data(), ErrorCode::InvalidArgument, "collide: the manifolds of the batch before are to be overwritten",
+                  CollideCounts{});
     CollideBatch batch{.placed = placed, .pairs = pairs, .last = last, .executor = executor, .data = CollideBatch::data_of(scratch)};
     const detail::PairFault fault = batch.find_fault();
     CAROM_REQUIRE(fault.what == nullptr, fault.code, fault.what, CollideCounts{});

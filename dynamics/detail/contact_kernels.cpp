@@ -80,9 +80,10 @@ CAROM_PASS_INLINE void solve_friction(PointLanes& p, int lane, Floats friction, 
     b.push(impulse, rb);
 }
 
-/// A pair at its push limit is parted at least at this share of it.
+/// A pair at its push limit is parted at least at this share of the limit ...
 constexpr float kJamShare = 0.004f;
-/// ... until the impulse of a substep is this many times what would give the pair the speed of its limit: twice what leaks.
+/// ... until the impulse of a substep is this many times what would give the pair the speed of its limit. At the default softness the push
+/// leaks as much as it adds at 3.7 times; stiffer or more damped settings push harder by themselves, and are left alone above this.
 constexpr float kJamMost = 8.0f;
 
 struct SoftLanes {

@@ -1,7 +1,7 @@
 #include <carom/narrowphase/detail/convex_core.hpp>
 
-#include <carom/narrowphase/detail/farthest_vertex.hpp>
 #include <carom/narrowphase/detail/kernel.hpp>
+#include <carom/narrowphase/detail/polytope_lanes.hpp>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -30,13 +30,13 @@ double reach_of(const Shape& shape) noexcept {
     }
 }
 
-double radius_of(const Shape& shape) noexcept {
+}  // namespace
+
+double core_radius(const Shape& shape) noexcept {
     if (const Sphere* sphere = std::get_if<Sphere>(&shape)) return static_cast<double>(sphere->radius);
     if (const Capsule* capsule = std::get_if<Capsule>(&shape)) return static_cast<double>(capsule->radius);
     return 0.0;
 }
-
-}  // namespace
 
 std::uint32_t ConvexCore::count() const noexcept {
     if (kind == Kind::Points) return static_cast<std::uint32_t>(points.size());
@@ -54,7 +54,7 @@ CoreSupport ConvexCore::support(const dvec3& direction) const noexcept {
     if (kind == Kind::Turned) return {solid.support(direction), 0};
     const dvec3 local = direction * axes;
     const auto bit = [&](int k) { return half[k] * local[k] > 0.0 ? 1u << k : 0u; };  // 0 where there is no extent
-    const std::uint32_t index = kind == Kind::Box ? bit(0) + bit(1) + bit(2) : farthest_vertex(bundles, local);
+    const std::uint32_t index = kind == Kind::Box ? bit(0) + bit(1) + bit(2) : lowest(bundles, -local).number;
     return {place(index), index};
 }
 
@@ -63,7 +63,7 @@ ConvexCore core_of(const Shape& shape, const dquat& orientation, const dvec3& ce
     const dmat3 axes = glm::mat3_cast(orientation);
     core.axes = scale * axes;
     core.centre = centre;
-    core.radius = scale * radius_of(shape);
+    core.radius = scale * core_radius(shape);
     core.reach = scale * reach_of(shape);
     switch (type_of(shape)) {
         case ShapeType::Box:
@@ -75,7 +75,7 @@ ConvexCore core_of(const Shape& shape, const dquat& orientation, const dvec3& ce
         case ShapeType::ConvexHull:
             core.kind = ConvexCore::Kind::Points;
             core.points = as<ConvexHullPtr>(shape)->vertices();
-            core.bundles = as<ConvexHullPtr>(shape)->vertex_bundles();
+            core.bundles = as<ConvexHullPtr>(shape)->point_bundles();
             break;
         case ShapeType::Cylinder:
         case ShapeType::Cone:
@@ -95,7 +95,7 @@ CorePair core_pair(const Shape& a, const Pose& pose_a, const Shape& b, const Pos
     CorePair pair;
     // A quarter of the way, which does not overflow.
     const dvec3 quarter = 0.25 * pose_b.position - 0.25 * pose_a.position;
-    const double size = std::max({largest(quarter), reach_of(a) + radius_of(a), reach_of(b) + radius_of(b)});
+    const double size = std::max({largest(quarter), reach_of(a) + core_radius(a), reach_of(b) + core_radius(b)});
     int exponent = 0;
     std::frexp(size, &exponent);  // size is below 2^exponent
     exponent = std::min(exponent, 1020);

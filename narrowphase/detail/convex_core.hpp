@@ -26,7 +26,7 @@ struct ConvexCore {
 
     Kind kind = Kind::Box;
     std::span<const vec3> points;  ///< of a hull, in its own frame [m]
-    std::span<const ConvexHull::VertexBundle> bundles;  ///< the same
+    std::span<const PointBundle> bundles;  ///< the same
     dvec3 half{0.0};               ///< of a box, along its axes [m]; a capsule's core has y alone, a sphere's is a point
     dmat3 axes{1.0};               ///< of the shape, each of the length of a metre
     dvec3 centre{0.0};
@@ -40,6 +40,9 @@ struct ConvexCore {
     /// @return a point farthest along `direction`, which is neither zero nor infinite; the lowest number of equals.
     [[nodiscard]] CoreSupport support(const dvec3& direction) const noexcept;
 };
+
+/// @return the radius about a shape's core [m]: of spheres and capsules; for the rest 0.
+[[nodiscard]] double core_radius(const Shape& shape) noexcept;
 
 /// Two cores in one frame. Lengths are scaled by a power of two so that the larger of sizes and distance is near 1: squares and cubes of
 /// lengths of any size can be formed then.

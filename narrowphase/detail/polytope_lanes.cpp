@@ -341,7 +341,7 @@ void place_polytope(std::span<const PointBundle> points, std::span<const PlaneBu
                     PointBundle* to_points, PlaneBundle* to_planes) {
     HWY_DYNAMIC_DISPATCH(PlacePolytope)(points, planes, axes, origin, to_points, to_planes);
 }
-Extreme lowest(const Polytope& p, const dvec3& direction) noexcept { return HWY_DYNAMIC_DISPATCH(Lowest)(p.points, direction); }
+Extreme lowest(std::span<const PointBundle> points, const dvec3& direction) noexcept { return HWY_DYNAMIC_DISPATCH(Lowest)(points, direction); }
 Extreme face_along(const Polytope& p, const dvec3& direction) noexcept { return HWY_DYNAMIC_DISPATCH(FaceAlong)(p.planes, direction); }
 FaceSeparations best_faces(const Polytope& a, const Polytope& b, const dvec3& point_of_a, const dvec3& point_of_b, double enough) {
     return HWY_DYNAMIC_DISPATCH(BestFaces)(a, b, point_of_a, point_of_b, enough);

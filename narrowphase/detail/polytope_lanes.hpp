@@ -27,7 +27,8 @@ struct Extreme {
 };
 
 /// @return the vertex with the least dot product with `direction`, and the product.
-[[nodiscard]] Extreme lowest(const Polytope& p, const dvec3& direction) noexcept;
+[[nodiscard]] Extreme lowest(std::span<const PointBundle> points, const dvec3& direction) noexcept;
+[[nodiscard]] inline Extreme lowest(const Polytope& p, const dvec3& direction) noexcept { return lowest(p.points, direction); }
 /// @return the face whose normal has the greatest dot product with `direction`, and the product.
 [[nodiscard]] Extreme face_along(const Polytope& p, const dvec3& direction) noexcept;
 

@@ -3,6 +3,7 @@
 #include <carom/collision/convex_hull.hpp>
 #include <carom/collision/triangle_mesh.hpp>
 #include <carom/core/math.hpp>
+#include <carom/narrowphase/detail/convex_core.hpp>
 #include <carom/narrowphase/detail/feature.hpp>
 #include <carom/narrowphase/detail/reuse.hpp>
 
@@ -22,18 +23,10 @@ double reach_of(const Aabb& box) noexcept { return glm::length(glm::max(glm::abs
 double reach_of(const Shape& shape) {
     switch (type_of(shape)) {
         case ShapeType::Plane: return std::numeric_limits<double>::infinity();
-        case ShapeType::ConvexHull: return reach_of(std::get<ConvexHullPtr>(shape)->local_bounds());
         case ShapeType::TriangleMesh: return reach_of(std::get<TriangleMeshPtr>(shape)->local_bounds());
         case ShapeType::Compound: return reach_of(std::get<CompoundPtr>(shape)->local_bounds());
         default: return bounding_radius(shape);
     }
-}
-
-// Spheres and capsules are all points within a radius of a core; for the rest 0.
-float core_radius(const Shape& shape) noexcept {
-    if (const Sphere* sphere = std::get_if<Sphere>(&shape)) return sphere->radius;
-    if (const Capsule* capsule = std::get_if<Capsule>(&shape)) return capsule->radius;
-    return 0.0f;
 }
 
 bool is_carried(const Shape& shape) {
@@ -46,7 +39,7 @@ bool is_carried(const Shape& shape) {
         case ShapeType::TriangleMesh: return true;
         case ShapeType::Compound: {
             const auto parts = std::get<CompoundPtr>(shape)->parts();
-            return std::all_of(parts.begin(), parts.end(), [](const CompoundPart& part) { return is_carried(part.shape) && core_radius(part.shape) == 0.0f; });
+            return std::all_of(parts.begin(), parts.end(), [](const CompoundPart& part) { return is_carried(part.shape) && core_radius(part.shape) == 0.0; });
         }
         default: return false;
     }
@@ -56,7 +49,7 @@ bool is_carried(const Shape& shape) {
 
 MotionLine motion_line(const Shape& shape, const Pose& before, const Pose& now) noexcept {
     MotionLine line;
-    line.before[0][3] = core_radius(shape);
+    line.before[0][3] = static_cast<float>(core_radius(shape));
     const dvec3 motion = now.position - before.position;
     // Of the turn less the identity every term is small where the turn is, and nothing cancels.
     const dquat q = now.orientation * glm::conjugate(before.orientation);

@@ -5,6 +5,7 @@
 #include <carom/collision/triangle_mesh.hpp>
 #include <carom/core/check.hpp>
 #include <carom/core/executor.hpp>
+#include <carom/core/simd_width.hpp>
 
 #include <gtest/gtest.h>
 
@@ -303,7 +304,7 @@ public:
     }
 };
 
-TEST(AllPairs, TheBatchGivesTheBitsOfSingleCallsOnAnyNumberOfThreads) {
+TEST(AllPairs, TheBatchGivesTheBitsOfSingleCallsOnAnyNumberOfThreadsAtEveryWidth) {
     std::vector<Sampled> samples;
     for_each_pair(13, 60, [&](const Sampled& s) { samples.push_back(s); });
     Random r(14);
@@ -319,6 +320,14 @@ TEST(AllPairs, TheBatchGivesTheBitsOfSingleCallsOnAnyNumberOfThreads) {
     SerialExecutor serial;
     ManyThreads threads;
     CollideScratch scratch;
+    for (const int width : available_simd_widths()) {
+        set_simd_width(width);
+        std::vector<Manifold> narrow;
+        collide(pairs, serial, scratch, narrow);
+        ASSERT_EQ(narrow.size(), single.size()) << width;
+        EXPECT_EQ(std::memcmp(narrow.data(), single.data(), narrow.size() * sizeof(Manifold)), 0) << width;
+    }
+    set_simd_width(0);
     for (Executor* executor : {static_cast<Executor*>(&serial), static_cast<Executor*>(&threads)}) {
         for (int repeat = 0; repeat < 2; ++repeat) {
             std::vector<Manifold> batch(7);

@@ -4,6 +4,7 @@
 #include <carom/collision/compound.hpp>
 #include <carom/core/check.hpp>
 #include <carom/core/executor.hpp>
+#include <carom/core/simd_width.hpp>
 
 #include <gtest/gtest.h>
 
@@ -238,7 +239,7 @@ TEST(Reuse, WhatRollsKeepsItsContactBelowItsCore) {
     EXPECT_NEAR(deep.found[0].points[0].separation, 2.5e-3 - 1.0, 1e-6);
 }
 
-TEST(Reuse, ThreadsChangeNothing) {
+TEST(Reuse, ThreadsAndSimdWidthsChangeNothing) {
     class Three final : public Executor {
     public:
         [[nodiscard]] int thread_count() const noexcept override { return 3; }
@@ -252,13 +253,25 @@ TEST(Reuse, ThreadsChangeNothing) {
     } three;
     Random r(5);
     Crowd one = random_crowd(r, 1500, 1e-3f);
-    Random again(5);
-    Crowd other = random_crowd(again, 1500, 1e-3f);
+    const auto same_crowd = [] {
+        Random again(5);
+        return random_crowd(again, 1500, 1e-3f);
+    };
+    Crowd other = same_crowd();
+    std::vector<Crowd> by_width;
+    for (std::size_t i = 0; i < available_simd_widths().size(); ++i) by_width.push_back(same_crowd());
     for (int k = 0; k < 4; ++k) {
         const CollideCounts counts = one.collide_again();
         EXPECT_EQ(counts.reused, other.collide_again(three).reused);
         EXPECT_EQ(counts.reused > 0, k > 0);
         ASSERT_TRUE(same_bits(one.found, other.found));
+        for (std::size_t i = 0; i < by_width.size(); ++i) {
+            set_simd_width(available_simd_widths()[i]);
+            by_width[i].poses = one.poses;
+            EXPECT_EQ(by_width[i].collide_again().reused, counts.reused);
+            ASSERT_TRUE(same_bits(one.found, by_width[i].found)) << simd_width();
+        }
+        set_simd_width(0);
         for (std::size_t p = 0; p < one.poses.size(); p += 3) one.poses[p].position.x += 4e-4;
         other.poses = one.poses;
     }
@@ -293,6 +306,10 @@ TEST(Reuse, MisuseIsReportedAndChangesNothing) {
     refused({0, 1, 0.0f, 1e-3f, 2}, last, ErrorCode::InvalidArgument);             // no such pair
     refused({0, 1, 0.0f, 1e-3f, 1}, last, ErrorCode::InvalidArgument);             // another pair
     refused({0, 1, 0.0f, 1e-3f, 0}, last.first(1), ErrorCode::InvalidArgument);    // not its manifolds
+    g_reports = 0;
+    collide({crowd.pointers(), crowd.poses}, crowd.pairs, last, serial, crowd.scratch, crowd.found);
+    EXPECT_EQ(g_reports, 1);
+    EXPECT_EQ(crowd.found.size(), 2u);
     // The call that remembers nothing knows no batch before.
     g_reports = 0;
     std::vector<Manifold> out(3);
