@@ -53,12 +53,12 @@ ContactAxis greatest_separation(const Polytope& a, const Polytope& b, const dvec
     const double floor = std::min(0.0, axis.separation);
     const dvec3 points_of_a[2] = {point_of_a, a.vertex(faces.of_b.deepest)}, points_of_b[2] = {point_of_b, b.vertex(faces.of_a.deepest)};
     const EdgePair edges = best_edges(a, b, points_of_a, points_of_b, floor);
-    const double needed = std::max(axis.separation + kFacePreference * common_size(a, b), edges.separation);
+    const double by_face = axis.separation + kFacePreference * common_size(a, b), needed = std::max(by_face, edges.separation);
     if (b.side_count > 0) {
         const FaceSeparation side = best_side(b, a, needed);
         if (side.separation > needed) return axis_of_side(a, b, side);
     }
-    if (edges.separation == needed) {
+    if (edges.separation > by_face) {
         const Polytope::Edge e = a.edge(edges.a), f = b.edge(edges.b);
         const Segment on_a = segment_of(e), on_b = segment_of(f);
         const SegmentParameters closest = closest_parameters(on_a, on_b);

@@ -83,17 +83,30 @@ private:
 };
 
 Extreme lowest_of(std::span<const PointBundle> points, const dvec3& direction) {
-    const Doubles3 back = everywhere(-direction);
-    Greatest best;
-    Doubles numbers = double_lane_numbers();
-    for (const PointBundle& p : points) {
+    const Doubles3 along = everywhere(direction);
+    constexpr std::size_t kKept = 4;  // bundles whose heights are kept, so that up to 32 points need no second look
+    alignas(64) double kept[kKept * kWidth];
+    Doubles best(kInfinity);
+    for (std::size_t k = 0; k < points.size(); ++k) {
         for (int lane = 0; lane < kWidth; lane += kLaneStep) {
-            best.offer(dot(read(p, lane), back), numbers);
-            numbers = numbers + Doubles(kLaneStep);
+            const Doubles height = dot(read(points[k], lane), along);
+            if (k < kKept) store(height, kept + k * kWidth + static_cast<std::size_t>(lane));
+            best = min(height, best);
         }
     }
-    const Extreme e = best.take();
-    return {-e.value, e.number};
+    const double least = least_lane(best);
+    // Of the kept ones in one word, without a branch a bundle.
+    const std::size_t kept_points = std::min(points.size(), kKept) * kWidth;
+    std::uint32_t equal = 0;
+    for (std::size_t i = 0; i < kept_points; i += kLaneStep) equal |= static_cast<std::uint32_t>(bits(load(kept + i) == Doubles(least))) << i;
+    if (equal != 0) return {least, static_cast<std::uint32_t>(std::countr_zero(equal))};
+    for (std::size_t k = kKept; k < points.size(); ++k) {
+        for (int lane = 0; lane < kWidth; lane += kLaneStep) {
+            const unsigned found = bits(dot(read(points[k], lane), along) == Doubles(least));
+            if (found != 0) return {least, static_cast<std::uint32_t>(k * kWidth) + static_cast<std::uint32_t>(lane + std::countr_zero(found))};
+        }
+    }
+    return {least, 0};
 }
 
 Extreme Lowest(std::span<const PointBundle> points, const dvec3& direction) { return lowest_of(points, direction); }
