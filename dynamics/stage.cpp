@@ -7,6 +7,8 @@ const char* to_string(Stage stage) noexcept {
         case Stage::Bounds: return "Bounds";
         case Stage::Pairs: return "Pairs";
         case Stage::Collide: return "Collide";
+        case Stage::Islands: return "Islands";
+        case Stage::Direct: return "Direct";
         case Stage::Prepare: return "Prepare";
         case Stage::Velocities: return "Velocities";
         case Stage::WarmStart: return "WarmStart";

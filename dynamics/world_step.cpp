@@ -15,12 +15,13 @@ namespace {
 constexpr std::size_t kBodyGrain = 128;
 
 /// Moves every body that no contact holds, and the kinematic ones, over the whole step at once.
-void integrate_free_bodies(dynamics::BodyArrays& bodies, const dynamics::ContactSolver& solver, bool contacts,
-                           const dynamics::Motion& motion, Executor& executor) {
+void integrate_free_bodies(dynamics::BodyArrays& bodies, const dynamics::ContactSolver& solver, const dynamics::DirectIslands& direct,
+                           bool contacts, const dynamics::Motion& motion, Executor& executor) {
     executor.parallel_for(bodies.roles.size(), kBodyGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t slot = begin; slot < end; ++slot) {
             const Role role = bodies.roles[slot];
-            const bool held = contacts && solver.holds(static_cast<std::uint32_t>(slot));
+            const auto number = static_cast<std::uint32_t>(slot);
+            const bool held = contacts && (solver.holds(number) || direct.holds(number));
             if (role == Role::Kinematic || (role == Role::Dynamic && !held)) {
                 const dvec3 pull = role == Role::Dynamic ? motion.gravity : dvec3{0.0};
                 dynamics::integrate_free(bodies.states[slot], bodies.masses[slot], pull, motion.dt);
@@ -86,6 +87,7 @@ StepReport World::step(double dt) {
     if (!choices.contacts) {  // otherwise each part is replaced below
         w.contacts.clear();
         w.names.now.clear();
+        w.direct.clear();
     }
 
     bool reuses = false;  // contacts of the step before
@@ -118,7 +120,13 @@ StepReport World::step(double dt) {
             dynamics::link_manifolds(w.contacts, [&](std::uint32_t i) { return dynamics::contact_pair(w.proxies, w.candidates[i]); });
             dynamics::carry_impulses(w.contacts, w.previous, w.impulse_scale(dt));
         });
-        step.run(Stage::Prepare, [&] { w.solver.prepare(w.contacts, w.proxies, w.arrays, w.solver_settings(dt), executor); });
+        const dynamics::DirectStep direct_step = w.direct_step(dt);
+        const dynamics::DirectWorld islands{w.contacts, w.proxies, w.arrays};
+        bool stiff = false;
+        step.run(Stage::Islands, [&] { stiff = w.direct.choose(islands, direct_step, {w.def.contact_method, w.def.direct_budget}); });
+        if (stiff) step.run(Stage::Direct, [&] { w.direct.solve(islands, direct_step, executor); });
+        step.report.direct = w.direct.counts();
+        step.run(Stage::Prepare, [&] { w.solver.prepare(w.contacts, w.direct.held(), w.proxies, w.arrays, w.solver_settings(dt), executor); });
         for (int k = 0; k < w.def.substeps; ++k) {
             const auto from = k == 0 ? dynamics::WarmStart::First : dynamics::WarmStart::Again;
             step.run(Stage::Velocities, [&] { w.solver.integrate_velocities(from, executor); });
@@ -131,7 +139,7 @@ StepReport World::step(double dt) {
         step.run(Stage::Store, [&] { w.solver.store(w.arrays, w.contacts, executor); });
         count_contacts(step.report, w.contacts, w.solver);
     }
-    step.run(Stage::Positions, [&] { integrate_free_bodies(w.arrays, w.solver, choices.contacts, motion, executor); });
+    step.run(Stage::Positions, [&] { integrate_free_bodies(w.arrays, w.solver, w.direct, choices.contacts, motion, executor); });
     step.run(Stage::Quarantine, [&] { w.quarantine_unusable(dt, step.report); });
 
     w.last_substep = dt / w.def.substeps;

@@ -29,7 +29,7 @@ dvec3 rounded(const dvec3& v) { return dvec3{vec3{v}}; }
 
 }  // namespace
 
-void ContactSolver::prepare(const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies,
+void ContactSolver::prepare(const ContactSet& contacts, std::span<const unsigned char> held, const ProxySet& proxies, const BodyArrays& bodies,
                             const SolverSettings& settings, Executor& executor) {
     settings_ = settings;
     const double h = settings.substep();
@@ -37,7 +37,7 @@ void ContactSolver::prepare(const ContactSet& contacts, const ProxySet& proxies,
     soft_ = soft_contact(frequency, settings.damping, h);
     soft_fixed_ = soft_contact(2.0 * frequency, settings.damping, h);
 
-    assign_rows(contacts, bodies);
+    assign_rows(contacts, held, bodies);
     fill_rows(bodies, executor);
     fill_sides(proxies, bodies, executor);
     fill_manifold_rows(contacts, executor);
@@ -52,13 +52,16 @@ void ContactSolver::prepare(const ContactSet& contacts, const ProxySet& proxies,
     for (const ContactBundle& bundle : bundles_) deep_count_ += static_cast<std::size_t>(bundle.deep);
 }
 
-void ContactSolver::assign_rows(const ContactSet& contacts, const BodyArrays& bodies) {
+void ContactSolver::assign_rows(const ContactSet& contacts, std::span<const unsigned char> held, const BodyArrays& bodies) {
     constexpr std::int32_t kTouched = -2;
     row_of_slot_.assign(bodies.roles.size(), kNoRow);
     for (const ContactPair& pair : contacts.pairs) {
         for (const std::uint32_t slot : {pair.body_a.slot, pair.body_b.slot}) {
             if (bodies.roles[slot] != Role::Static) row_of_slot_[slot] = kTouched;
         }
+    }
+    for (std::size_t slot = 0; slot < held.size(); ++slot) {
+        if (held[slot] != 0) row_of_slot_[slot] = kNoRow;
     }
     slot_of_row_.clear();
     for (const Role role : {Role::Dynamic, Role::Kinematic}) {
