@@ -10,9 +10,11 @@ constexpr double kSagShare = 1e-3;
 /// With more manifolds than that, and none solved directly, every sixteenth step is looked at: stiff piles do not come up in less.
 constexpr std::size_t kManyManifolds = 512;
 constexpr std::uint64_t kLookEvery = 16;
-/// Larger islands have to come to rest first: no body may move by more than this share of the smallest extent in a step.
-constexpr std::uint32_t kFewBodies = 8;
+/// Islands have to come to rest first: no body may move by more than this share of the smallest extent in a step. Small ones that soft contacts
+/// would squash are tried as they are.
 constexpr double kCalmShare = 0.02;
+constexpr std::uint32_t kFewBodies = 8;
+constexpr double kSquashed = 10.0;  // times the sag that is stiff
 /// After a solve that did not converge an island is left alone for 1, 2, 4, ... steps; after one that was too dear for as many more.
 constexpr std::uint64_t kLongestWait = 16, kLongestRefusal = 1024;
 /// A graph of so many bodies and links cannot be factorised in the budget: one operation for each at the least, and these piles have fill.
@@ -104,7 +106,7 @@ void DirectIslands::consider(const Island& island, const DirectWorld& world, con
         ++(memory.too_large ? counts_.too_large : counts_.waiting);
         return;
     }
-    const bool calm = bodies.size() <= kFewBodies || shape.top_speed * step.dt <= kCalmShare * shape.extent;
+    const bool calm = shape.top_speed * step.dt <= kCalmShare * shape.extent || (bodies.size() <= kFewBodies && excess > kSquashed);
     if (!calm && !kept) {
         ++counts_.moving;
         return;

@@ -21,7 +21,7 @@ struct DirectSettings {
     double slip_tolerance = 0.0;   ///< by which a sliding point may be lifted too fast or too slowly [m/s] > 0
     int most_iterations = 60;
     int most_factorisations = 60;
-    int most_slip_passes = 8;
+    int most_slip_passes = 12;
 };
 
 struct DirectResult {
