@@ -70,9 +70,12 @@ CAROM_PASS_INLINE void solve_friction(PointLanes& p, int lane, Floats friction, 
     const Floats length_sq = speed1 * speed1 + speed2 * speed2;
     const Floats one = broadcast(1.0f);
     const Mask slips = length_sq > limit * limit;
-    const Floats scale = select(slips, limit / sqrt(select(slips, length_sq, one)), one);
-    const Floats clamped1 = scale * new1;
-    const Floats clamped2 = scale * new2;
+    Floats clamped1 = new1, clamped2 = new2;
+    if (any(slips)) {  // seldom at rest: the root and the quotient take as long as all the rest, and what follows waits for them
+        const Floats scale = select(slips, limit / sqrt(select(slips, length_sq, one)), one);
+        clamped1 = scale * new1;
+        clamped2 = scale * new2;
+    }
     put(p.tangent_impulse_1, lane, clamped1);
     put(p.tangent_impulse_2, lane, clamped2);
     const Floats3 impulse = (clamped1 - old1) * basis.t1 + (clamped2 - old2) * basis.t2;
@@ -115,9 +118,11 @@ CAROM_PASS_INLINE void solve_normal(PointLanes& p, int lane, const SoftLanes& so
         // What leaks away bounds a push at its limit. Where others jam the pair, it has to grow until they give way, if slowly; and not for
         // ever, for they may be unable to.
         const Mask at_limit = soft.bias_rate * separation < -soft.push_limit;
-        const Floats push = mass * soft.push_limit;
-        const Floats growing = min(mass * (broadcast(kJamShare) * soft.push_limit - vn), max(broadcast(kJamMost) * push - old, zero));
-        change = select(at_limit, max(change, growing), change);
+        if (any(at_limit)) {
+            const Floats push = mass * soft.push_limit;
+            const Floats growing = min(mass * (broadcast(kJamShare) * soft.push_limit - vn), max(broadcast(kJamMost) * push - old, zero));
+            change = select(at_limit, max(change, growing), change);
+        }
     }
     const Floats accumulated = max(old + change, zero);
     put(p.normal_impulse, lane, accumulated);
