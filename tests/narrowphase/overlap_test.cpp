@@ -22,7 +22,7 @@ using test::NearPair;
 constexpr ShapeType kConvex[] = {ShapeType::Box,    ShapeType::ConvexHull, ShapeType::Sphere,
                                  ShapeType::Capsule, ShapeType::Cylinder,  ShapeType::Cone};
 
-// Poses of the long property test: 100,000, or as many as CAROM_POSES says (1e7 take some MINUTES minutes).
+// Poses of the long property test: 100,000, or as many as CAROM_POSES says (1e7 take a quarter of an hour).
 int pose_count() {
     const char* const asked = std::getenv("CAROM_POSES");
     return asked != nullptr ? std::atoi(asked) : 100000;
