@@ -64,7 +64,8 @@ TEST(SweptBoxes, HaveTheBitsOfOneAtATime) {
     for (const int width : available_simd_widths()) {
         set_simd_width(width);
         for (const std::size_t count : {0u, 1u, 15u, 16u, 17u, 500u}) {
-            const dvec3 origin = count % 2 == 0 ? dvec3{0.0} : vector_of(r, 1e-3, 1e6);
+            dvec3 origin = count % 2 == 0 ? dvec3{0.0} : vector_of(r, 1e-3, 1e6);
+            if (count == 17) origin = {0x1p80, -0x1p80, 0x1p80};  // so far that differences are floats but for what rounding hides
             std::vector<Case> expected = some_cases(r, count);
             for (Case& c : expected) c.local = count == 1 ? Pose{} : c.local;
             std::vector<Case> cases = expected;
