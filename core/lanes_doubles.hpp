@@ -29,6 +29,8 @@ struct DoubleMask {
     HWY_INLINE explicit DoubleMask(RawDoubleMask r) : raw(r) {}
 };
 HWY_INLINE DoubleMask operator&(DoubleMask a, DoubleMask b) { return DoubleMask{hn::And(a.raw, b.raw)}; }
+HWY_INLINE DoubleMask operator|(DoubleMask a, DoubleMask b) { return DoubleMask{hn::Or(a.raw, b.raw)}; }
+HWY_INLINE DoubleMask operator!(DoubleMask a) { return DoubleMask{hn::Not(a.raw)}; }
 HWY_INLINE bool none(DoubleMask m) { return hn::AllFalse(DoubleTag(), m.raw); }
 /// @return lane l's truth in bit l; the bits above are zero.
 HWY_INLINE unsigned bits(DoubleMask m) {
@@ -52,11 +54,16 @@ HWY_INLINE Doubles operator-(Doubles a) { return Doubles{hn::Neg(a.raw)}; }
 // False where either side is NaN.
 HWY_INLINE DoubleMask operator<(Doubles a, Doubles b) { return DoubleMask{hn::Lt(a.raw, b.raw)}; }
 HWY_INLINE DoubleMask operator>(Doubles a, Doubles b) { return DoubleMask{hn::Gt(a.raw, b.raw)}; }
+HWY_INLINE DoubleMask operator<=(Doubles a, Doubles b) { return DoubleMask{hn::Le(a.raw, b.raw)}; }
+HWY_INLINE DoubleMask operator>=(Doubles a, Doubles b) { return DoubleMask{hn::Ge(a.raw, b.raw)}; }
 HWY_INLINE DoubleMask operator==(Doubles a, Doubles b) { return DoubleMask{hn::Eq(a.raw, b.raw)}; }
 /// @return `yes` where the mask is true, `no` elsewhere.
 HWY_INLINE Doubles select(DoubleMask m, Doubles yes, Doubles no) { return Doubles{hn::IfThenElse(m.raw, yes.raw, no.raw)}; }
 /// @return a < b ? a : b.
 HWY_INLINE Doubles min(Doubles a, Doubles b) { return select(a < b, a, b); }
+/// @return a > b ? a : b.
+HWY_INLINE Doubles max(Doubles a, Doubles b) { return select(a > b, a, b); }
+HWY_INLINE Doubles abs(Doubles a) { return Doubles{hn::Abs(a.raw)}; }
 HWY_INLINE Doubles sqrt(Doubles a) { return Doubles{hn::Sqrt(a.raw)}; }
 
 /// Memory, aligned to kDoubleLanes doubles: any multiple of kDoubleLanes in a bundle is.
@@ -74,7 +81,11 @@ struct Doubles3 {
 };
 HWY_INLINE Doubles3 operator+(const Doubles3& a, const Doubles3& b) { return {a.x + b.x, a.y + b.y, a.z + b.z}; }
 HWY_INLINE Doubles3 operator-(const Doubles3& a, const Doubles3& b) { return {a.x - b.x, a.y - b.y, a.z - b.z}; }
+HWY_INLINE Doubles3 operator-(const Doubles3& a) { return {-a.x, -a.y, -a.z}; }
 HWY_INLINE Doubles3 operator*(const Doubles3& a, Doubles s) { return {a.x * s, a.y * s, a.z * s}; }
+HWY_INLINE Doubles3 select(DoubleMask m, const Doubles3& yes, const Doubles3& no) {
+    return {select(m, yes.x, no.x), select(m, yes.y, no.y), select(m, yes.z, no.z)};
+}
 /// @return (a.x b.x + a.y b.y) + a.z b.z, rounded in that order.
 HWY_INLINE Doubles dot(const Doubles3& a, const Doubles3& b) { return (a.x * b.x + a.y * b.y) + a.z * b.z; }
 HWY_INLINE Doubles3 cross(const Doubles3& a, const Doubles3& b) {

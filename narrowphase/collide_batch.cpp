@@ -4,12 +4,13 @@
 #include <carom/narrowphase/detail/batch_memory.hpp>
 #include <carom/narrowphase/detail/box_lanes.hpp>
 #include <carom/narrowphase/detail/check_pair.hpp>
+#include <carom/narrowphase/detail/pair_lanes.hpp>
 #include <carom/narrowphase/detail/workspace.hpp>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
-#include <variant>
+#include <utility>
 
 namespace carom {
 namespace {
@@ -77,17 +78,27 @@ struct CollideBatch {
         data.boxes.resize(count);
         std::atomic<bool> finite{true};
         executor.parallel_for(count, 256, [&](std::size_t begin, std::size_t end) {
-            double residue = 0.0;
+            std::array<std::uint32_t, kChunk> boxes;
+            std::size_t box_count = 0;
             for (std::size_t k = begin; k < end; ++k) {
                 const Shape* const shape = placed.shapes[k];
                 data.types[k] = shape == nullptr ? kNoShape : static_cast<unsigned char>(shape->index());
-                if (shape == nullptr) continue;
-                residue += detail::finite_residue(placed.poses[k]);
-                if (const Box* box = std::get_if<Box>(shape)) data.boxes[k] = detail::box_line(*box, placed.poses[k]);
+                if (data.types[k] != static_cast<unsigned char>(ShapeType::Box)) continue;
+                boxes[box_count++] = static_cast<std::uint32_t>(k);
+                if (box_count == boxes.size()) detail::write_box_lines(placed, {boxes.data(), std::exchange(box_count, 0u)}, data.boxes);
             }
-            if (residue != 0.0) finite.store(false, std::memory_order_relaxed);
+            detail::write_box_lines(placed, {boxes.data(), box_count}, data.boxes);
+            if (!poses_are_finite(begin, end)) finite.store(false, std::memory_order_relaxed);
         });
         return finite.load();
+    }
+
+    // Of the shapes that there are.
+    [[nodiscard]] bool poses_are_finite(std::size_t begin, std::size_t end) const {
+        if (detail::poses_are_finite(placed.poses.subspan(begin, end - begin))) return true;
+        double residue = 0.0;
+        for (std::size_t k = begin; k < end; ++k) residue += data.types[k] == kNoShape ? 0.0 : detail::finite_residue(placed.poses[k]);
+        return residue == 0.0;
     }
 
     [[nodiscard]] detail::PairFault look_at_pair(std::size_t i) {

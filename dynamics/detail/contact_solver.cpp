@@ -32,6 +32,7 @@ dvec3 rounded(const dvec3& v) { return dvec3{vec3{v}}; }
 void ContactSolver::prepare(const ContactSet& contacts, std::span<const unsigned char> held, const ProxySet& proxies, const BodyArrays& bodies,
                             const SolverSettings& settings, Executor& executor) {
     settings_ = settings;
+    gaps_known_ = false;
     const double h = settings.substep();
     const double frequency = settings.contact_rate / h;
     soft_ = soft_contact(frequency, settings.damping, h);
@@ -216,12 +217,13 @@ void ContactSolver::warm_start(Executor& executor) {
 }
 
 void ContactSolver::solve(bool bias, Executor& executor) {
-    const SolveSettings settings{.inverse_h = static_cast<float>(1.0 / settings_.substep()),
-                                 .bias = bias};
+    const SolveSettings settings{.inverse_h = static_cast<float>(1.0 / settings_.substep()), .bias = bias, .gaps_known = gaps_known_};
     for_each_color(executor, [&](std::span<ContactBundle> bundles) { dynamics::solve(bundles, rows_, settings); });
+    gaps_known_ = true;
 }
 
 void ContactSolver::integrate_positions(Executor& executor) {
+    gaps_known_ = false;
     const auto h = static_cast<float>(settings_.substep());
     executor.parallel_for(slot_of_row_.size(), kBodyGrain, [&](std::size_t begin, std::size_t end) {
         advance(rows_, begin, end, h);

@@ -78,6 +78,7 @@ private:
     void for_each_color(Executor& executor, const Pass& pass);
 
     SolverSettings settings_;
+    bool gaps_known_ = false;  ///< of the points in the bundles: no body has moved since
     SoftContact soft_, soft_fixed_;
     SolverBodies rows_;
     std::vector<std::uint32_t> slot_of_row_;

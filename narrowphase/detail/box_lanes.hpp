@@ -1,6 +1,6 @@
 // Many pairs of boxes at once: how sixteen of them lie side by side, and the kernels that work on them.
 //
-//   lines[k] = box_line(box, pose);         // once for each box
+//   write_box_lines(placed, numbers, lines);  // once for each box
 //   place_boxes(lines, numbers, pairs, unusual);
 //   find_box_axes(pairs, axes);             // which axis separates most, or that they are apart
 //   build_box_patches(pairs, axes, patches);
@@ -14,7 +14,7 @@
 #include <carom/collision/shapes.hpp>
 #include <carom/core/bundle.hpp>
 #include <carom/core/pose.hpp>
-#include <carom/narrowphase/manifold.hpp>
+#include <carom/narrowphase/collide.hpp>
 
 #include <array>
 #include <cstdint>
@@ -29,6 +29,9 @@ struct alignas(32) BoxLine {
     float position[3][4];  ///< three floats for each coordinate, which add up to it; then 1 where they cannot, in the first row
 };
 [[nodiscard]] BoxLine box_line(const Box& box, const Pose& pose) noexcept;
+/// The same, to the bit, of many boxes.
+/// @param numbers  those of `placed` that are boxes. @param lines  by number.
+void write_box_lines(const PlacedShapes& placed, std::span<const std::uint32_t> numbers, std::span<BoxLine> lines);
 
 /// Which boxes sixteen pairs are of. Lanes without a pair repeat another.
 struct BoxNumberBundle {

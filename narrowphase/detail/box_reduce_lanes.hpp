@@ -50,26 +50,28 @@ struct WideCandidates {
     }
 };
 
-/// @return the valid point with the largest score, if that is over `least`. Ties go to the first.
-template <class Score>
-HWY_INLINE WidePoint best_of(const WideCandidates& c, Floats least, const Score& score) {
-    WidePoint best = no_point();
-    for (std::size_t k = 0; k < c.count; ++k) {
-        const Floats u{c.u[k]}, w{c.w[k]}, separation{c.separation[k]};
-        const Floats s = score(u, w, separation);
-        const Mask better = (s > least) & (separation < Floats(kNever));
-        least = select(better, s, least);
-        best.u = select(better, u, best.u);
-        best.w = select(better, w, best.w);
-        best.separation = select(better, separation, best.separation);
-        best.code = select(better, Ints(c.code[k]), best.code);
+/// The valid point with the largest score so far, if that is over what it began with. Ties go to the first.
+struct WideBest {
+    Floats least;
+    WidePoint point = no_point();
+
+    HWY_INLINE explicit WideBest(Floats over) : least(over) {}
+    HWY_INLINE void offer(const WidePoint& candidate, Floats score) {
+        const Mask better = (score > least) & (candidate.separation < Floats(kNever));
+        least = select(better, score, least);
+        point = select(better, candidate, point);
     }
-    return best;
+};
+
+/// Calls visit(candidate) for each, in order.
+template <class Visit>
+HWY_INLINE void for_each(const WideCandidates& c, const Visit& visit) {
+    for (std::size_t k = 0; k < c.count; ++k) visit(WidePoint{Floats{c.u[k]}, Floats{c.w[k]}, Floats{c.separation[k]}, Ints(c.code[k])});
 }
 
-HWY_INLINE Floats distance_sq(const WidePoint& a, Floats u, Floats w) { return (u - a.u) * (u - a.u) + (w - a.w) * (w - a.w); }
-HWY_INLINE Floats area2(const WidePoint& a, const WidePoint& b, Floats u, Floats w) {
-    return (b.u - a.u) * (w - a.w) - (b.w - a.w) * (u - a.u);
+HWY_INLINE Floats distance_sq(const WidePoint& a, const WidePoint& p) { return (p.u - a.u) * (p.u - a.u) + (p.w - a.w) * (p.w - a.w); }
+HWY_INLINE Floats area2(const WidePoint& a, const WidePoint& b, const WidePoint& p) {
+    return (b.u - a.u) * (p.w - a.w) - (b.w - a.w) * (p.u - a.u);
 }
 
 /// The first `count` points are in use.
@@ -80,20 +82,32 @@ struct WideChoice {
 
 /// What reduce_points() (reduce.hpp) chooses, for each lane.
 HWY_INLINE WideChoice choose_points(const WideCandidates& all, Floats tolerance, Floats start_u, Floats start_w) {
-    const Floats never(-kNever);
-    const WidePoint a = best_of(all, never, [&](Floats u, Floats w, Floats) { return u * start_u + w * start_w; });
-    const WidePoint b = best_of(all, tolerance * tolerance, [&](Floats u, Floats w, Floats) { return distance_sq(a, u, w); });
-    const Floats least_area = tolerance * sqrt(distance_sq(a, b.u, b.w));
-    const WidePoint left = best_of(all, least_area, [&](Floats u, Floats w, Floats) { return area2(a, b, u, w); });
-    const WidePoint right = best_of(all, least_area, [&](Floats u, Floats w, Floats) { return -area2(a, b, u, w); });
+    WideBest first(Floats(-kNever)), lowest(Floats(-kNever));
+    for_each(all, [&](const WidePoint& p) {
+        first.offer(p, p.u * start_u + p.w * start_w);
+        lowest.offer(p, -p.separation);
+    });
+    const WidePoint& a = first.point;
+    WideBest farthest(tolerance * tolerance);
+    for_each(all, [&](const WidePoint& p) { farthest.offer(p, distance_sq(a, p)); });
+    const WidePoint& b = farthest.point;
+    const Floats least_area = tolerance * sqrt(distance_sq(a, b));
+    WideBest left(least_area), right(least_area);
+    for_each(all, [&](const WidePoint& p) {
+        const Floats area = area2(a, b, p);
+        left.offer(p, area);
+        right.offer(p, -area);
+    });
     const Mask has_b = exists(b);
-    const Mask is_left = (!exists(right)) | (exists(left) & (area2(a, b, left.u, left.w) >= -area2(a, b, right.u, right.w)));
-    const WidePoint c = select(is_left, left, right);
+    const Mask is_left = (!exists(right.point)) | (exists(left.point) & (left.least >= right.least));
+    const WidePoint c = select(is_left, left.point, right.point);
     const Mask has_c = has_b & exists(c);
     const Floats turn = select(is_left, Floats(-1.0f), Floats(1.0f));
-    const WidePoint d = best_of(all, least_area, [&](Floats u, Floats w, Floats) {
-        return max(max(turn * area2(a, b, u, w), turn * area2(b, c, u, w)), turn * area2(c, a, u, w));
+    WideBest beyond(least_area);
+    for_each(all, [&](const WidePoint& p) {
+        beyond.offer(p, max(max(turn * area2(a, b, p), turn * area2(b, c, p)), turn * area2(c, a, p)));
     });
+    const WidePoint& d = beyond.point;
     const Mask has_d = has_c & exists(d);
 
     const Ints zero(0), one(1);
@@ -105,14 +119,14 @@ HWY_INLINE WideChoice choose_points(const WideCandidates& all, Floats tolerance,
     Floats least(kNever);
 #pragma GCC unroll 4
     for (int k = 0; k < 4; ++k) least = select(used[k], min(out.points[k].separation, least), least);
-    const WidePoint deepest = best_of(all, tolerance - least, [](Floats, Floats, Floats separation) { return -separation; });
-    const Mask replace = exists(a) & exists(deepest);
+    const WidePoint& deepest = lowest.point;
+    const Mask replace = exists(a) & (lowest.least > tolerance - least);
     if (none(replace)) return out;
     Floats nearest(kNever);
     Ints slot(0);
 #pragma GCC unroll 4
     for (int k = 0; k < 4; ++k) {
-        const Floats distance = distance_sq(deepest, out.points[k].u, out.points[k].w);
+        const Floats distance = distance_sq(deepest, out.points[k]);
         const Mask nearer = used[k] & (distance < nearest);
         nearest = select(nearer, distance, nearest);
         slot = select(nearer, Ints(k), slot);

@@ -13,14 +13,14 @@ struct Row {
 };
 
 constexpr Row kRows[] = {
-    {ShapeType::Sphere, ShapeType::Sphere, sphere_sphere},
-    {ShapeType::Sphere, ShapeType::Box, sphere_box},
-    {ShapeType::Sphere, ShapeType::Capsule, sphere_capsule},
-    {ShapeType::Sphere, ShapeType::Plane, sphere_plane},
+    {ShapeType::Sphere, ShapeType::Sphere, sphere_sphere, sphere_sphere_lanes},
+    {ShapeType::Sphere, ShapeType::Box, sphere_box, sphere_box_lanes},
+    {ShapeType::Sphere, ShapeType::Capsule, sphere_capsule, sphere_capsule_lanes},
+    {ShapeType::Sphere, ShapeType::Plane, sphere_plane, sphere_plane_lanes},
     {ShapeType::Box, ShapeType::Box, box_box_alone, box_box},
     {ShapeType::Box, ShapeType::Plane, box_plane},
-    {ShapeType::Capsule, ShapeType::Capsule, capsule_capsule},
-    {ShapeType::Capsule, ShapeType::Plane, capsule_plane},
+    {ShapeType::Capsule, ShapeType::Capsule, capsule_capsule, capsule_capsule_lanes},
+    {ShapeType::Capsule, ShapeType::Plane, capsule_plane, capsule_plane_lanes},
     {ShapeType::Capsule, ShapeType::Box, capsule_box},
     {ShapeType::Capsule, ShapeType::ConvexHull, capsule_hull},
     {ShapeType::Sphere, ShapeType::ConvexHull, sphere_hull},

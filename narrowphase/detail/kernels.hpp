@@ -9,7 +9,6 @@ CollideStatus sphere_sphere(const PairFrame& pair, Workspace& workspace, Manifol
 CollideStatus sphere_box(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 CollideStatus sphere_capsule(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 CollideStatus sphere_plane(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
-void box_box(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, std::vector<Manifold>& out);
 CollideStatus box_plane(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 CollideStatus capsule_capsule(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 CollideStatus capsule_plane(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
@@ -26,6 +25,15 @@ CollideStatus hull_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSin
 
 CollideStatus mesh_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 CollideStatus mesh_plane(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+
+/// Many at once: the same bits as those for one pair, but for two boxes, which are worked on in float.
+void sphere_sphere_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, std::vector<Manifold>& out);
+void sphere_capsule_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, std::vector<Manifold>& out);
+void sphere_box_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, std::vector<Manifold>& out);
+void sphere_plane_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, std::vector<Manifold>& out);
+void capsule_capsule_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, std::vector<Manifold>& out);
+void capsule_plane_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, std::vector<Manifold>& out);
+void box_box(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, std::vector<Manifold>& out);
 
 /// Two boxes as polytopes in double: where they are not many, as parts of compounds are not.
 CollideStatus box_box_alone(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);

@@ -1,6 +1,7 @@
 #include <carom/narrowphase/detail/gjk.hpp>
 #include <carom/narrowphase/detail/polytope_axis.hpp>
 #include <carom/narrowphase/detail/polytope_lanes.hpp>
+#include <carom/narrowphase/detail/polytope_search.hpp>
 #include <carom/narrowphase/detail/segment.hpp>
 #include <carom/narrowphase/detail/tolerances.hpp>
 
@@ -41,18 +42,15 @@ bool is_distance(const Polytope& a, const Polytope& b, const ContactAxis& axis) 
 }  // namespace
 
 ContactAxis greatest_separation(const Polytope& a, const Polytope& b, const dvec3& point_of_a, const dvec3& point_of_b, double enough) {
-    const FaceSeparations faces = best_faces(a, b, point_of_a, point_of_b, enough);
+    const Separations best = find_separations(a, b, point_of_a, point_of_b, enough);
     ContactAxis axis;
-    if (faces.of_b.separation > faces.of_a.separation) {
-        axis = {AxisKind::FaceOfB, -b.normal(faces.of_b.plane), faces.of_b.separation, {}, {}, 0, faces.of_b.plane};
+    if (best.of_b.separation > best.of_a.separation) {
+        axis = {AxisKind::FaceOfB, -b.normal(best.of_b.plane), best.of_b.separation, {}, {}, 0, best.of_b.plane};
     } else {
-        axis = {AxisKind::FaceOfA, a.normal(faces.of_a.plane), faces.of_a.separation, {}, {}, faces.of_a.plane, 0};
+        axis = {AxisKind::FaceOfA, a.normal(best.of_a.plane), best.of_a.separation, {}, {}, best.of_a.plane, 0};
     }
     if (axis.separation > enough) return axis;
-    // Below zero the bound holds for every normal of an arc; above, the arc of a sharp edge may do better than both its ends.
-    const double floor = std::min(0.0, axis.separation);
-    const dvec3 points_of_a[2] = {point_of_a, a.vertex(faces.of_b.deepest)}, points_of_b[2] = {point_of_b, b.vertex(faces.of_a.deepest)};
-    const EdgePair edges = best_edges(a, b, points_of_a, points_of_b, floor);
+    const EdgePair& edges = best.edges;
     const double by_face = axis.separation + kFacePreference * common_size(a, b), needed = std::max(by_face, edges.separation);
     if (b.side_count > 0) {
         const FaceSeparation side = best_side(b, a, needed);

@@ -33,7 +33,9 @@ struct SegmentParameters {
 /// Parallel segments have many pairs; which one is given is deterministic.
 [[nodiscard]] inline SegmentParameters closest_parameters(const Segment& a, const Segment& b) noexcept {
     const dvec3 d = a.to - a.from, e = b.to - b.from, r = a.from - b.from;
-    const double dd = glm::dot(d, d), ee = glm::dot(e, e), de = glm::dot(d, e);
+    const double dd = glm::dot(d, d);
+    if (!(dd > 0.0)) return {0.0, closest_parameter(b, a.from)};
+    const double ee = glm::dot(e, e), de = glm::dot(d, e);
     const double determinant = dd * ee - de * de;
     double s = 0.0;
     if (determinant > 0.0) s = clamp01((de * glm::dot(e, r) - ee * glm::dot(d, r)) / determinant);

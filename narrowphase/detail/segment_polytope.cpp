@@ -40,39 +40,54 @@ void try_edges(const Segment& s, const Polytope& p, std::vector<std::uint32_t>& 
     }
 }
 
+// The two points that are closest so far.
+struct ClosestPoints {
+    dvec3 on_a{0.0}, on_b{0.0};
+    double distance_sq = std::numeric_limits<double>::infinity();
+
+    void offer(const dvec3& a, const dvec3& b) noexcept {
+        const double sq = glm::dot(b - a, b - a);
+        if (!(sq < distance_sq)) return;
+        *this = {a, b, sq};
+    }
+    void offer_edge(const Segment& s, const Polytope& p, std::uint32_t edge) noexcept {
+        const Segment other{p.origin_of(2 * edge), p.origin_of(2 * edge + 1)};
+        const SegmentParameters closest = closest_parameters(s, other);
+        offer(s.at(closest.s), other.at(closest.t));
+    }
+    [[nodiscard]] ContactAxis axis() const noexcept {
+        const double distance = std::sqrt(distance_sq);
+        return {AxisKind::Distance, (on_b - on_a) / distance, distance, on_a, on_b, 0, 0};
+    }
+};
+
+// The closest points where the polytope's lies on an edge of the face, as it mostly does beside the face that separates best.
+// @return whether the planes through the two points, square to the line between them, show that there are no closer ones.
+bool is_beside_face(const Segment& s, const Polytope& p, std::uint32_t face, ContactAxis& axis) noexcept {
+    ClosestPoints closest;
+    std::uint32_t e = p.loops[face].first_edge;
+    for (std::uint32_t k = 0; k < p.loops[face].edge_count; ++k, e = p.half_edges[e].next) closest.offer_edge(s, p, e / 2);
+    axis = closest.axis();
+    const double of_segment = std::max(glm::dot(axis.normal, s.from), glm::dot(axis.normal, s.to));
+    return lowest(p, axis.normal).value - of_segment >= axis.separation * (1.0 - kInsideTolerance);
+}
+
 // The closest points of a polytope and a segment apart from it. The polytope's is in a face that an end is over, or on an edge next to
 // a plane that is below an end: a normal between those of the edge's planes separates from the segment. The face need not be the one that
 // separates best: the planes of faces that were merged lie a little outside of them.
 ContactAxis distance_axis(const Segment& s, const Polytope& p, std::vector<std::uint32_t>& edges) {
     const dvec3 ends[2] = {s.from, s.to};
     list_edges_above_one(p, ends, 0.0, edges);
-    ContactAxis axis;
-    double least = std::numeric_limits<double>::infinity();
-    for (const std::uint32_t k : edges) {
-        const ConvexHull::HalfEdge& e = p.half_edges[2 * k];
-        const Segment edge{p.vertex(e.origin), p.origin_of(2 * k + 1)};
-        const SegmentParameters closest = closest_parameters(s, edge);
-        const dvec3 on_a = s.at(closest.s), on_b = edge.at(closest.t);
-        const double sq = glm::dot(on_b - on_a, on_b - on_a);
-        if (sq < least) {
-            least = sq;
-            axis.on_a = on_a;
-            axis.on_b = on_b;
-        }
-    }
+    ClosestPoints closest;
+    for (const std::uint32_t k : edges) closest.offer_edge(s, p, k);
     for (std::uint32_t face = 0; face < p.face_count(); ++face) {
         const dvec3 normal = p.normal(face);
         for (const dvec3& end : ends) {
             const double height = glm::dot(normal, end) - p.offset(face);
-            if (!(height > 0.0 && height * height < least && is_over_face(p, face, end))) continue;
-            least = height * height;
-            axis.on_a = end;
-            axis.on_b = end - height * normal;
+            if (height > 0.0 && height * height < closest.distance_sq && is_over_face(p, face, end)) closest.offer(end, end - height * normal);
         }
     }
-    axis.separation = std::sqrt(least);
-    axis.normal = (axis.on_b - axis.on_a) / axis.separation;
-    return axis;
+    return closest.axis();
 }
 
 struct ClippedSegment {
@@ -120,10 +135,12 @@ bool find_axis(const RoundSegment& core, const Polytope& polytope, double margin
     const Segment& s = core.segment;
     const double touching = kTouching * polytope.size, farthest = core.radius + margin;
     axis = face_axis(s, polytope);
+    const std::uint32_t face = axis.feature_b;
     if (axis.separation > farthest + touching) return false;
     if (!(axis.separation > touching) && s.from != s.to) try_edges(s, polytope, scratch.edges, axis);
-    if (axis.separation > touching && (axis.kind != AxisKind::FaceOfB || !is_over_face(polytope, axis.feature_b, axis.on_a))) {
-        const ContactAxis distance = distance_axis(s, polytope, scratch.edges);
+    if (axis.separation > touching && (axis.kind != AxisKind::FaceOfB || !is_over_face(polytope, face, axis.on_a))) {
+        ContactAxis distance;
+        if (!is_beside_face(s, polytope, face, distance)) distance = distance_axis(s, polytope, scratch.edges);
         if (distance.separation > axis.separation) axis = distance;
     }
     return axis.separation <= farthest;

@@ -1,0 +1,37 @@
+// Eight pairs side by side in double, on their way into lanes and out of them.
+#pragma once
+
+#include <carom/core/bundle.hpp>
+#include <carom/narrowphase/detail/kernel.hpp>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace carom::detail {
+
+/// Poses of the two shapes (position, then x y z w), the numbers that describe them, and the margin.
+struct PairRows {
+    DoubleBundle first[7], second[7];
+    DoubleBundle size_first[2];   ///< of a sphere its radius; of a capsule its radius and the half of its segment
+    DoubleBundle size_second[4];  ///< the same; of a box its half extents; of a plane normal and offset
+    DoubleBundle margin;
+
+    /// @param chosen  1..8 pairs; the first stands in for those that are not there. @param swapped  each pair's B is the first shape.
+    void fill(const BatchInput& input, std::span<const std::uint32_t> chosen, bool swapped) noexcept;
+};
+
+/// What touches.
+struct ContactRows {
+    struct Point {
+        DoubleBundle position[3], separation, feature;
+        unsigned valid = 0;  ///< bits of the lanes
+    };
+    DoubleBundle normal[3];
+    Point points[2];
+
+    /// Appends the manifolds of the pairs that have a point, in their order.
+    void write(std::span<const std::uint32_t> chosen, std::vector<Manifold>& out) const;
+};
+
+}  // namespace carom::detail

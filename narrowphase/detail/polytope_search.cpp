@@ -1,0 +1,187 @@
+#include <carom/core/simd_targets.hpp>
+#undef HWY_TARGET_INCLUDE
+#define HWY_TARGET_INCLUDE <carom/narrowphase/detail/polytope_search.cpp>
+#include <hwy/foreach_target.h>
+
+#include <carom/narrowphase/detail/polytope_reads.hpp>
+#include <carom/narrowphase/detail/polytope_search.hpp>
+#include <carom/narrowphase/detail/tolerances.hpp>
+
+#include <cmath>
+
+#ifndef CAROM_NARROWPHASE_POLYTOPE_SEARCH_ONCE
+#define CAROM_NARROWPHASE_POLYTOPE_SEARCH_ONCE
+namespace carom::detail {
+namespace {
+
+// Eight edges, with the normals beside them.
+struct EdgeBundle {
+    PointBundle from, direction, left, right;
+};
+
+// Buffers of a thread, which grow once.
+struct SearchScratch {
+    std::vector<DoubleBundle> promises;        // by face: how high it can be at most
+    std::vector<dvec3> met_of_a, met_of_b;     // points that bound the faces of the other
+    std::vector<DoubleBundle> words;
+    std::vector<std::uint32_t> numbers_of_a, numbers_of_b;
+    std::vector<EdgeBundle> edges_of_b;
+};
+
+SearchScratch& search_scratch() {
+    thread_local SearchScratch scratch;
+    return scratch;
+}
+
+}  // namespace
+}  // namespace carom::detail
+#endif
+
+HWY_BEFORE_NAMESPACE();
+namespace carom::detail::HWY_NAMESPACE {
+namespace {
+
+// Lowers each promise to the height of `point` over the plane. @return the best promise.
+template <bool is_first>
+HWY_INLINE Extreme lower_promises(std::span<const PlaneBundle> planes, const dvec3& point, std::vector<DoubleBundle>& promises) {
+    const Doubles3 p = everywhere(point);
+    Greatest best;
+    Doubles numbers = double_lane_numbers();
+    for (std::size_t k = 0; k < planes.size(); ++k) {
+        for (int lane = 0; lane < kWidth; lane += kLaneStep) {
+            double* const at = promises[k].lane + lane;
+            Doubles promise = heights(planes[k], lane, p);
+            if constexpr (!is_first) promise = min(load(at), promise);
+            store(promise, at);
+            best.offer(promise, numbers);
+            numbers = numbers + Doubles(kLaneStep);
+        }
+    }
+    return best.take();
+}
+
+// @param met  begins with one point of the other polytope, and gets the vertices that were found.
+HWY_INLINE FaceSeparation best_plane(std::span<const PlaneBundle> planes, std::span<const PointBundle> points, double floor, double enough,
+                                     std::vector<dvec3>& met) {
+    std::vector<DoubleBundle>& promises = search_scratch().promises;
+    promises.resize(planes.size());
+    FaceSeparation best;
+    best.separation = floor;
+    Extreme next = lower_promises<true>(planes, met.front(), promises);
+    while (next.value > best.separation) {
+        const Extreme low = lowest_of(points, normal_of(planes, next.number));
+        const double separation = low.value - offset_of(planes, next.number);
+        if (separation > best.separation) best = {separation, next.number, low.number};
+        if (best.separation > enough) break;
+        met.push_back(point_of(points, low.number));
+        promises[next.number / kWidth].lane[next.number % kWidth] = -kInfinity;
+        next = lower_promises<false>(planes, met.back(), promises);
+    }
+    return best;
+}
+
+FaceSeparation BestSide(const Polytope& triangle, const Polytope& other, double floor) {
+    std::vector<dvec3>& met = search_scratch().met_of_b;
+    met.assign(1, other.centre);
+    return best_plane({&triangle.sides, 1}, other.points, floor, kInfinity, met);
+}
+
+// Whether the arc of edge `e` crosses the arcs of edges `f`, seen from the other side, on the sphere of normals.
+HWY_INLINE DoubleMask arcs_cross(const Polytope::Edge& e, const EdgeBundle& f, const Doubles3& f_direction, int lane) {
+    const Doubles zero(0.0);
+    const Doubles3 e_direction = everywhere(e.direction);
+    const Doubles cba = -dot(read(f.left, lane), e_direction), dba = -dot(read(f.right, lane), e_direction);
+    const Doubles adc = dot(everywhere(e.left), f_direction), bdc = dot(everywhere(e.right), f_direction);
+    return (cba * dba < zero) & (adc * bdc < zero) & (cba * bdc > zero);
+}
+
+// The separations of edge `e` and edges `f` along their common normals, outward from e; -infinity where they make no axis.
+HWY_INLINE Doubles separations(const Polytope::Edge& e, const EdgeBundle& f, int lane) {
+    const Doubles3 direction = read(f.direction, lane);
+    const DoubleMask crossing = arcs_cross(e, f, direction, lane);
+    const Doubles never(-kInfinity);
+    if (none(crossing)) return never;
+    const Doubles3 normal = cross(everywhere(e.direction), direction);
+    const Doubles length_sq = dot(normal, normal);
+    const Doubles sides = Doubles(glm::dot(e.direction, e.direction)) * dot(direction, direction);
+    const Doubles along = dot(normal, read(f.from, lane) - everywhere(e.from)) / sqrt(length_sq);
+    const Doubles outward = select(dot(normal, everywhere(e.left + e.right)) < Doubles(0.0), -along, along);
+    return select(crossing & (length_sq > Doubles(kParallelSine * kParallelSine) * sides), outward, never);
+}
+
+void fill_edges(const Polytope& p, std::span<const std::uint32_t> numbers, std::vector<EdgeBundle>& out) {
+    out.assign(double_bundle_count(numbers.size()), EdgeBundle{});  // edges without length cross nothing
+    for (std::size_t i = 0; i < numbers.size(); ++i) {
+        EdgeBundle& bundle = out[i / kWidth];
+        const Polytope::Edge e = p.edge(numbers[i]);
+        set_point(bundle.from, i % kWidth, e.from);
+        set_point(bundle.direction, i % kWidth, e.direction);
+        set_point(bundle.left, i % kWidth, e.left);
+        set_point(bundle.right, i % kWidth, e.right);
+    }
+}
+
+void list_edges_above(const Polytope& p, std::span<const dvec3> points, double floor, std::vector<std::uint32_t>& out) {
+    std::vector<DoubleBundle>& words = search_scratch().words;
+    const std::uint64_t all = mark_above(p, points, floor, words);
+    list_edges(p, words, [all](std::uint64_t either) { return either == all; }, out);
+}
+
+EdgePair best_edges(const Polytope& a, const Polytope& b, double floor) {
+    SearchScratch& scratch = search_scratch();
+    list_edges_above(a, scratch.met_of_b, floor, scratch.numbers_of_a);
+    if (scratch.numbers_of_a.empty()) return {};
+    list_edges_above(b, scratch.met_of_a, floor, scratch.numbers_of_b);
+    if (scratch.numbers_of_b.empty()) return {};
+    fill_edges(b, scratch.numbers_of_b, scratch.edges_of_b);
+    EdgePair best;
+    for (const std::uint32_t number : scratch.numbers_of_a) {
+        const Polytope::Edge e = a.edge(number);
+        Greatest of_e;
+        Doubles places = double_lane_numbers();
+        for (const EdgeBundle& f : scratch.edges_of_b) {
+            for (int lane = 0; lane < kWidth; lane += kLaneStep) {
+                of_e.offer(separations(e, f, lane), places);
+                places = places + Doubles(kLaneStep);
+            }
+        }
+        const Extreme found = of_e.take();
+        if (found.value > best.separation) best = {found.value, dvec3{0.0}, number, scratch.numbers_of_b[found.number]};
+    }
+    if (best.separation == -kInfinity) return best;
+    const Polytope::Edge e = a.edge(best.a);
+    const dvec3 normal = glm::cross(e.direction, b.edge(best.b).direction);
+    best.normal = normal * ((glm::dot(normal, e.left + e.right) < 0.0 ? -1.0 : 1.0) / std::sqrt(glm::dot(normal, normal)));
+    return best;
+}
+
+Separations FindSeparations(const Polytope& a, const Polytope& b, const dvec3& point_of_a, const dvec3& point_of_b, double enough) {
+    SearchScratch& scratch = search_scratch();
+    scratch.met_of_a.assign(1, point_of_a);
+    scratch.met_of_b.assign(1, point_of_b);
+    Separations best;
+    best.of_a = best_plane(a.planes, b.points, -kInfinity, enough, scratch.met_of_b);
+    if (best.of_a.separation > enough) return best;
+    best.of_b = best_plane(b.planes, a.points, best.of_a.separation, enough, scratch.met_of_a);
+    // Below zero the bound holds for every normal of an arc; above, the arc of a sharp edge may do better than both its ends.
+    if (!(best.of_b.separation > enough)) best.edges = best_edges(a, b, std::min(0.0, best.of_b.separation));
+    return best;
+}
+
+}  // namespace
+}  // namespace carom::detail::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#if HWY_ONCE
+namespace carom::detail {
+HWY_EXPORT(FindSeparations);
+HWY_EXPORT(BestSide);
+
+Separations find_separations(const Polytope& a, const Polytope& b, const dvec3& point_of_a, const dvec3& point_of_b, double enough) {
+    return HWY_DYNAMIC_DISPATCH(FindSeparations)(a, b, point_of_a, point_of_b, enough);
+}
+FaceSeparation best_side(const Polytope& triangle, const Polytope& other, double floor) {
+    return HWY_DYNAMIC_DISPATCH(BestSide)(triangle, other, floor);
+}
+}  // namespace carom::detail
+#endif
