@@ -17,6 +17,32 @@ ContactAxis face_axis(const Segment& s, const Polytope& p) noexcept {
     return {AxisKind::FaceOfB, -normal, face.value, end, end - face.value * normal, 0, face.number};
 }
 
+// Planes square to a triangle, through a side or along the segment, where they do better than the face. With a segment square to the
+// triangle, or in its plane, they are all that its edges have to offer: they are at the ends of the edges' arcs then.
+void try_sides(const Segment& s, const Polytope& triangle, ContactAxis& axis) {
+    const dvec3 d = s.to - s.from, across = glm::cross(d, triangle.normal(0));
+    const double needed = axis.separation + kFacePreference * common_size(triangle.size, std::sqrt(glm::dot(d, d)));
+    for (std::uint32_t k = 0; k < triangle.side_count; ++k) {
+        const dvec3 outward = triangle.normal(triangle.face_count() + k);
+        const double offset = offset_of({&triangle.sides, 1}, k), from = glm::dot(outward, s.from) - offset, to = glm::dot(outward, s.to) - offset;
+        const double separation = std::min(from, to);
+        if (!(separation > axis.separation && separation > needed)) continue;
+        const Polytope::Edge e = triangle.edge(k);  // which stands below side k
+        const Segment edge{e.from, e.from + e.direction};
+        const dvec3& end = from <= to ? s.from : s.to;
+        axis = {AxisKind::Edges, -outward, separation, end, edge.at(closest_parameter(edge, end)), 0, e.name};
+    }
+    const double length = std::sqrt(glm::dot(across, across));
+    if (!(length > kParallelSine * std::sqrt(glm::dot(d, d)))) return;
+    for (const dvec3& inward : {across / length, across / -length}) {
+        const Extreme nearest = lowest(triangle, inward);
+        const double separation = nearest.value - std::max(glm::dot(inward, s.from), glm::dot(inward, s.to));
+        if (!(separation > axis.separation && separation > needed)) continue;
+        const dvec3 corner = triangle.vertex(nearest.number);
+        axis = {AxisKind::Edges, inward, separation, s.at(closest_parameter(s, corner)), corner, 0, triangle.edge(nearest.number).name};
+    }
+}
+
 // An edge that the segment crosses, where it does better than the face: the plane square to the segment passes between the normals of the
 // edge's two faces.
 void try_edges(const Segment& s, const Polytope& p, std::vector<std::uint32_t>& edges, ContactAxis& axis) {
@@ -136,6 +162,7 @@ bool find_axis(const RoundSegment& core, const Polytope& polytope, double margin
     const double touching = kTouching * polytope.size, farthest = core.radius + margin;
     axis = face_axis(s, polytope);
     const std::uint32_t face = axis.feature_b;
+    if (polytope.side_count > 0) try_sides(s, polytope, axis);
     if (axis.separation > farthest + touching) return false;
     if (!(axis.separation > touching) && s.from != s.to) try_edges(s, polytope, scratch.edges, axis);
     if (axis.separation > touching && (axis.kind != AxisKind::FaceOfB || !is_over_face(polytope, face, axis.on_a))) {
