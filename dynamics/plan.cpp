@@ -28,7 +28,7 @@ std::string reason_for_direct(Stage stage, const WorldDef& def) {
         return stage == Stage::Islands ? "runs: every island is put down for the direct solve" : "runs: WorldDef::contact_method is Direct";
     }
     return stage == Stage::Islands ? "runs: says which islands soft contacts would let sink too far, by the law of their sag"
-                                   : "runs where there are such islands: small enough for the budget, and at rest unless they are very small; the others stay soft";
+                                   : "runs where there are such islands: small enough for the budget, and at rest, unless they are very small and squashed; the others stay soft";
 }
 
 std::string reason_for(Stage stage, const dynamics::StepChoices& choices, const WorldDef& def, bool everything) {

@@ -16,11 +16,13 @@ constexpr double kCalmShare = 0.02;
 constexpr std::uint32_t kFewBodies = 8;
 constexpr double kSquashed = 10.0;  // times the sag that is stiff
 /// After a solve that did not converge an island is left alone for 1, 2, 4, ... steps; after one that was too dear for as many more.
-constexpr std::uint64_t kLongestWait = 16, kLongestRefusal = 1024;
+constexpr std::uint64_t kLongestWait = 64, kLongestRefusal = 1024;
 /// A graph of so many bodies and links cannot be factorised in the budget: one operation for each at the least, and these piles have fill.
 constexpr std::size_t kLeastOperations = 8;
 /// All factorisations of a solve together may take this many times what one may, but four are always free.
 constexpr std::size_t kMostFactorisations = 20;
+/// What has not converged by then mostly will not; large islands cost too much to find out.
+constexpr int kMostIterations = 60, kMostOfLarge = 25;
 /// An island that was not stiff for so long is forgotten.
 constexpr std::uint64_t kForgetAfter = 256;
 
@@ -124,6 +126,7 @@ void DirectIslands::consider(const Island& island, const DirectWorld& world, con
         const double load = std::max(stiff_.loads()[manifolds[i]], least_load(pair, world.bodies, step.gravity, most));
         if (load > memory.loads[i] || load < kLeastLoadShare * memory.loads[i]) memory.loads[i] = kLoadRoom * load;
     }
+    memory.stiffness.tolerances.most_iterations = bodies.size() <= kFewBodies ? kMostIterations : kMostOfLarge;
     memory.stiffness.tolerances.most_factorisations =
         static_cast<int>(std::clamp(kMostFactorisations * choice.budget / memory.newton.operations(), std::size_t{4}, std::size_t{60}));
     tasks_.push_back({island, &memory});

@@ -198,10 +198,13 @@ TEST(Cli, AReportHasEveryKey) {
         EXPECT_TRUE(json.at("build").at(key).is_string()) << key;
     }
     EXPECT_GE(json.at("build").at("simd_width"), 1);
-    ASSERT_EQ(json.at("plan").at("stages").size(), 12u);
+    ASSERT_EQ(json.at("plan").at("stages").size(), 14u);
     for (const Json& stage : json.at("plan").at("stages")) {
         EXPECT_TRUE(stage.at("stage").is_string() && stage.at("run").is_boolean());
         EXPECT_NE(stage.at("reason"), "");
+    }
+    for (const char* key : {"stiff", "solved", "too_large", "moving", "waiting", "fell_back", "iterations", "factorisations", "operations"}) {
+        EXPECT_GE(json.at("direct").at(key), 0) << key;
     }
     const Json& time = json.at("time_ms");
     EXPECT_NEAR(time.at("mean_step").get<double>() * 20, time.at("total").get<double>(), 1e-9 * time.at("total").get<double>());
@@ -210,7 +213,7 @@ TEST(Cli, AReportHasEveryKey) {
     for (const auto& [stage, ms] : time.at("by_stage").items()) {
         sum += ms.get<double>();
     }
-    EXPECT_EQ(time.at("by_stage").size(), 12u);
+    EXPECT_EQ(time.at("by_stage").size(), 14u);
     EXPECT_GT(sum, 0.0);
     EXPECT_LE(sum, time.at("total").get<double>() * (1 + 1e-9));
     const Json& error = json.at("error");
