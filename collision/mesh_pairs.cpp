@@ -16,21 +16,21 @@ public:
     PlacedLeaves(const LeafPair& pair, const WidePlacement& placement) : pair_(pair), placement_(placement) {}
 
     [[nodiscard]] bool meet(std::size_t i, std::size_t j) {
-        const WideLeaf& a = pair_.a;
+        const WideLeaf &a = *pair_.a, &b = *pair_.b;
         detail::TriangleCorners first, second;
         for (std::size_t k = 0; k < 3; ++k) {
             const std::size_t v = a.corner[k][i];
             first[k] = dvec3{a.vertex[0][v], a.vertex[1][v], a.vertex[2][v]};
-            second[k] = placed(pair_.b.corner[k][j]);
+            second[k] = placed(b, b.corner[k][j]);
         }
         return detail::triangles_meet(first, second);
     }
 
 private:
-    const dvec3& placed(std::size_t v) {
+    const dvec3& placed(const WideLeaf& b, std::size_t v) {
         if ((done_ >> v & 1u) == 0) {
             done_ |= 1u << v;
-            points_[v] = placement_.place(pair_.b.vertex[0][v], pair_.b.vertex[1][v], pair_.b.vertex[2][v]);
+            points_[v] = placement_.place(b.vertex[0][v], b.vertex[1][v], b.vertex[2][v]);
         }
         return points_[v];
     }
@@ -43,20 +43,17 @@ private:
 
 /// Calls `met(a, b)` for each pair of triangles that meet, until it returns false.
 template <class Met>
-void for_each_pair(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a, Met met) {
+void for_each_pair(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a, PairOrder order, Met met) {
     WidePlacement placement;
     if (!place(a.wide(), b.wide(), b_in_a, 0.0, placement)) return;
     visit_leaf_pairs(a.wide(), b.wide(), placement, [&](const LeafPair& pair) {
         PlacedLeaves leaves(pair, placement);
-        for (std::size_t j = 0; j < pair.b.triangle_count; ++j) {
-            for (std::uint32_t rest = pair.partners[j]; rest != 0; rest &= rest - 1) {
-                const auto i = static_cast<std::size_t>(std::countr_zero(rest));
-                const bool certain = (pair.certain[j] >> i & 1u) != 0;
-                if ((certain || leaves.meet(i, j)) && !met(TrianglePair{pair.a.triangle[i], pair.b.triangle[j]})) return false;
-            }
+        for (std::size_t k = 0; k < pair.count; ++k) {
+            if (!pair.is_certain(k) && !leaves.meet(pair.of_a(k), pair.of_b(k))) continue;
+            if (!met(TrianglePair{pair.triangle_of_a(k), pair.triangle_of_b(k)})) return false;
         }
         return true;
-    });
+    }, order);
 }
 
 /// Sorts without allocating once the calling thread's buffers have grown.
@@ -77,7 +74,7 @@ void sort_pairs(std::vector<TrianglePair>& pairs) {
 
 std::optional<TrianglePair> find_overlap(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a) {
     std::optional<TrianglePair> found;
-    for_each_pair(a, b, b_in_a, [&](const TrianglePair& pair) {
+    for_each_pair(a, b, b_in_a, PairOrder::DeepestFirst, [&](const TrianglePair& pair) {
         found = pair;
         return false;
     });
@@ -88,7 +85,7 @@ bool meshes_overlap(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a) 
 
 void overlapping_pairs(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a, std::vector<TrianglePair>& pairs) {
     pairs.clear();
-    for_each_pair(a, b, b_in_a, [&](const TrianglePair& pair) {
+    for_each_pair(a, b, b_in_a, PairOrder::AsTheyCome, [&](const TrianglePair& pair) {
         pairs.push_back(pair);
         return true;
     });
@@ -101,13 +98,9 @@ void near_pairs(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a, doub
     WidePlacement placement;
     if (!place(a.wide(), b.wide(), b_in_a, reach, placement)) return;
     visit_leaf_pairs(a.wide(), b.wide(), placement, [&](const LeafPair& pair) {
-        for (std::size_t j = 0; j < pair.b.triangle_count; ++j) {
-            for (std::uint32_t rest = pair.partners[j]; rest != 0; rest &= rest - 1) {
-                pairs.push_back({pair.a.triangle[std::countr_zero(rest)], pair.b.triangle[j]});
-            }
-        }
+        for (std::size_t k = 0; k < pair.count; ++k) pairs.push_back({pair.triangle_of_a(k), pair.triangle_of_b(k)});
         return true;
-    });
+    }, PairOrder::AsTheyCome);
     sort_pairs(pairs);
 }
 

@@ -118,8 +118,12 @@ void visit_leaf_pairs_in_double(const WideBvh& a, const WideBvh& b, const WidePl
         const auto [first, second] = stack.back();
         stack.pop_back();
         if (is_leaf(first.ref) && is_leaf(second.ref)) {
-            LeafPair pair{a.leaf(first.ref), b.leaf(second.ref), {}, {}};
-            std::fill_n(pair.partners, pair.b.triangle_count, (1u << pair.a.triangle_count) - 1u);
+            LeafPair pair;
+            pair.a = &a.leaf(first.ref);
+            pair.b = &b.leaf(second.ref);
+            for (std::uint32_t j = 0; j < pair.b->triangle_count; ++j) {
+                for (std::uint32_t i = 0; i < pair.a->triangle_count; ++i) pair.candidate[pair.count++] = static_cast<std::int32_t>(i + 16 * j);
+            }
             if (!visit(pair)) return;
             continue;
         }
