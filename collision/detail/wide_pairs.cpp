@@ -55,29 +55,19 @@ HWY_INLINE unsigned overlapping(const Bounds& boxes, BoxAt other) {
     return met;
 }
 
-/// The same, and how far the deepest of the boxes reaches into the other, at most: the least overlap along an axis. That is not below zero just
-/// where two boxes overlap, as the sign of a difference is not rounded.
-struct Met {
-    unsigned boxes;
-    float depth;
-};
-HWY_INLINE Met overlapping_deep(const Bounds& boxes, BoxAt other, unsigned among) {
-    Met met{0, -1.0f};
-    alignas(64) float depths[kWidth];
+/// The same of the boxes in `among`, and how deep each of the 16 reaches into the other, at most: the least overlap along an axis. That is not
+/// below zero just where two boxes overlap, as the sign of a difference is not rounded.
+HWY_INLINE unsigned overlapping_deep(const Bounds& boxes, BoxAt other, unsigned among, float* depths) {
+    unsigned met = 0;
     for (int part = 0; part < kWidth; part += kLanes) {
         Floats depth(3e38f);
         for (int k = 0; k < 3; ++k) {
             depth = min(depth, min(load(boxes[1][k] + part), other.upper(k)) - max(load(boxes[0][k] + part), other.lower(k)));
         }
-        met.boxes |= bits(depth >= Floats(0.0f)) << part;
+        met |= bits(depth >= Floats(0.0f)) << part;
         store(depth, depths + part);
     }
-    met.boxes &= among;
-    for (unsigned rest = met.boxes; rest != 0; rest &= rest - 1) {
-        const float depth = depths[std::countr_zero(rest)];
-        met.depth = met.depth < depth ? depth : met.depth;
-    }
-    return met;
+    return met & among;
 }
 
 /// Triangles of a leaf with what tells others apart from them.
@@ -91,15 +81,15 @@ struct alignas(64) Described {
     HWY_INLINE void set(const WideLeaf& leaf, const float (&vertex)[3][kWidth], float margin) {
         Floats length(0.0f);
         const Floats m(margin);
+        Table16 table[3];
         for (int axis = 0; axis < 3; ++axis) {
-            Table16 table;
-            for (int p = 0; p < kParts; ++p) table.set(p, load(vertex[axis] + p * kLanes));
-            for (int part = 0; part < kWidth; part += kLanes) {
-                Floats p[3];
-                for (int k = 0; k < 3; ++k) {
-                    p[k] = Picks(leaf.corner[k] + part)(table);
-                    store(p[k], corner[k][axis] + part);
-                }
+            for (int p = 0; p < kParts; ++p) table[axis].set(p, load(vertex[axis] + p * kLanes));
+        }
+        for (int part = 0; part < kWidth; part += kLanes) {
+            const Picks picks[3] = {Picks(leaf.corner[0] + part), Picks(leaf.corner[1] + part), Picks(leaf.corner[2] + part)};
+            for (int axis = 0; axis < 3; ++axis) {
+                const Floats p[3] = {picks[0](table[axis]), picks[1](table[axis]), picks[2](table[axis])};
+                for (int k = 0; k < 3; ++k) store(p[k], corner[k][axis] + part);
                 const Floats lower = min(min(p[0], p[1]), p[2]) - m;
                 const Floats upper = max(max(p[0], p[1]), p[2]) + m;
                 length = max(length, upper - lower);
@@ -350,18 +340,11 @@ private:
         unsigned near = overlapping(b_in_a_, here.box_a) & children_of(second);
         if (near == 0) return;
         place_boxes(first.bound, placement_.to_b, placement_.margin_b + placement_.reach_b, a_in_b_);
-        begin();
         for (; near != 0; near &= near - 1) {
             const auto j = static_cast<std::size_t>(std::countr_zero(near));
             const BoxAt own(second.bound, j), placed(b_in_a_, j);
             prefetch(b_, second.child[j]);
-            if constexpr (kDeepestFirst) {
-                const Met met = overlapping_deep(first.bound, placed, overlapping(a_in_b_, own));
-                note(met.depth);
-                push_a(first, met.boxes, second.child[j], own);
-            } else {
-                push_a(first, overlapping(first.bound, placed) & overlapping(a_in_b_, own), second.child[j], own);
-            }
+            push_a(first, placed, overlapping(a_in_b_, own), second.child[j], own);
         }
         end();
     }
@@ -370,48 +353,39 @@ private:
         const WideNode& first = a_.node(here.a);
         describe_b(here.b);
         place_boxes(first.bound, placement_.to_b, placement_.margin_b + placement_.reach_b, a_in_b_);
-        begin();
-        unsigned met = overlapping(a_in_b_, here.box_b);
-        if constexpr (kDeepestFirst) {
-            const Met deep = overlapping_deep(first.bound, second_.around(), met);
-            note(deep.depth);
-            met = deep.boxes;
-        } else {
-            met &= overlapping(first.bound, second_.around());
-        }
-        push_a(first, met, here.b, here.box_b);
+        push_a(first, second_.around(), overlapping(a_in_b_, here.box_b), here.b, here.box_b);
         end();
     }
 
     HWY_INLINE void leaf_of_a(const PairEntry& here) {
         const WideNode& second = b_.node(here.b);
         place_boxes(second.bound, placement_.to_a, placement_.margin_a + placement_.reach_a, b_in_a_);
-        begin();
-        const Met met = overlapping_deep(b_in_a_, here.box_a, children_of(second));
-        note(met.depth);
-        for (unsigned rest = met.boxes; rest != 0; rest &= rest - 1) {
+        alignas(64) float depths[kWidth];
+        for (unsigned rest = overlapping_deep(b_in_a_, here.box_a, children_of(second), depths); rest != 0; rest &= rest - 1) {
             const auto j = static_cast<std::size_t>(std::countr_zero(rest));
             prefetch(b_, second.child[j]);
-            stack_.push_back({here.a, second.child[j], here.box_a, BoxAt(second.bound, j)});
+            push({here.a, second.child[j], here.box_a, BoxAt(second.bound, j)}, depths[j]);
         }
         end();
     }
 
-    HWY_INLINE void push_a(const WideNode& first, unsigned children, WideRef b, BoxAt box_b) {
-        for (; children != 0; children &= children - 1) {
-            const auto i = static_cast<std::size_t>(std::countr_zero(children));
+    /// The children of a in `among` that overlap a box of b.
+    HWY_INLINE void push_a(const WideNode& first, BoxAt placed, unsigned among, WideRef b, BoxAt box_b) {
+        alignas(64) float depths[kWidth];
+        unsigned met = kDeepestFirst ? overlapping_deep(first.bound, placed, among, depths) : overlapping(first.bound, placed) & among;
+        for (; met != 0; met &= met - 1) {
+            const auto i = static_cast<std::size_t>(std::countr_zero(met));
             prefetch(a_, first.child[i]);
-            stack_.push_back({first.child[i], b, BoxAt(first.bound, i), box_b});
+            push({first.child[i], b, BoxAt(first.bound, i), box_b}, kDeepestFirst ? depths[i] : 0.0f);
         }
     }
-
-    // The deepest comes first: what is noted is where it will be.
-    HWY_INLINE void begin() { deepest_ = stack_.size(), depth_ = -1.0f; }
-    HWY_INLINE void note(float depth) {
-        if (depth > depth_) depth_ = depth, deepest_ = stack_.size();
+    HWY_INLINE void push(const PairEntry& entry, float depth) {
+        if (kDeepestFirst && depth > depth_) depth_ = depth, deepest_ = stack_.size();
+        stack_.push_back(entry);
     }
     HWY_INLINE void end() {
         if (kDeepestFirst && depth_ >= 0.0f) std::swap(stack_[deepest_], stack_.back());
+        depth_ = -1.0f;
     }
 
     const WideBvh &a_, &b_;
@@ -422,7 +396,7 @@ private:
     WideRef described_a_ = 0, described_b_ = 0;  // leaves are below zero
     Bounds root_[2];
     std::size_t deepest_ = 0;
-    float depth_ = 0.0f;
+    float depth_ = -1.0f;  ///< of the deepest pair of this step
 };
 
 template <bool kDeepestFirst>
