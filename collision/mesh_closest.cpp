@@ -115,7 +115,7 @@ std::optional<ClosestOfMeshes> closest_pair(const StaticBvh& a, const StaticBvh&
             if (nearest.is_zero()) return false;
         }
         return true;
-    }, PairOrder::DeepestFirst);
+    }, {.deepest_first = true});
     return nearest.found();
 }
 

@@ -44,8 +44,9 @@ private:
 };
 
 /// Calls `met(a, b)` for each pair of triangles that meet, until it returns false.
+/// @param deepest_first  for who wants one pair soon.
 template <class Met>
-void for_each_pair(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a, PairOrder order, Met met) {
+void for_each_pair(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a, bool deepest_first, Met met) {
     WidePlacement placement;
     if (!place(a.wide(), b.wide(), b_in_a, 0.0, placement)) return;
     visit_leaf_pairs(a.wide(), b.wide(), placement, [&](const LeafPair& pair) {
@@ -55,7 +56,7 @@ void for_each_pair(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a, P
             if (!met(TrianglePair{pair.triangle_of_a(k), pair.triangle_of_b(k)})) return false;
         }
         return true;
-    }, order);
+    }, {.deepest_first = deepest_first});
 }
 
 /// Sorts `keys`, which all differ, by one pass into buckets and a look at neighbours: where keys are spread out, half the time of radix_sort().
@@ -109,7 +110,7 @@ void sort_pairs(std::vector<TrianglePair>& pairs) {
 
 std::optional<TrianglePair> find_overlap(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a) {
     std::optional<TrianglePair> found;
-    for_each_pair(a, b, b_in_a, PairOrder::DeepestFirst, [&](const TrianglePair& pair) {
+    for_each_pair(a, b, b_in_a, true, [&](const TrianglePair& pair) {
         found = pair;
         return false;
     });
@@ -120,7 +121,7 @@ bool meshes_overlap(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a) 
 
 void overlapping_pairs(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a, std::vector<TrianglePair>& pairs) {
     pairs.clear();
-    for_each_pair(a, b, b_in_a, PairOrder::AsTheyCome, [&](const TrianglePair& pair) {
+    for_each_pair(a, b, b_in_a, false, [&](const TrianglePair& pair) {
         pairs.push_back(pair);
         return true;
     });
@@ -135,8 +136,24 @@ void near_pairs(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a, doub
     visit_leaf_pairs(a.wide(), b.wide(), placement, [&](const LeafPair& pair) {
         for (std::size_t k = 0; k < pair.count; ++k) pairs.push_back({pair.triangle_of_a(k), pair.triangle_of_b(k)});
         return true;
-    }, PairOrder::AsTheyCome);
+    }, {});
     sort_pairs(pairs);
+}
+
+std::vector<NodePair> visited_nodes(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a, double reach) {
+    CAROM_REQUIRE(is_finite(reach) && reach >= 0.0, ErrorCode::InvalidArgument, "visited_nodes: the reach must be finite and not negative", {});
+    std::vector<NodePair> out;
+    WidePlacement placement;
+    if (!place(a.wide(), b.wide(), b_in_a, reach, placement)) return out;
+    std::vector<VisitedPair> visited;
+    visit_leaf_pairs(a.wide(), b.wide(), placement, [](const LeafPair&) { return true; }, {.visited = &visited});
+    const auto metres = [](const WideBvh& tree, WideRef ref, const float (&box)[2][3]) {
+        const double unit = 1.0 / static_cast<double>(tree.scale);
+        const auto corner = [&](int side) { return unit * dvec3{vec3{box[side][0], box[side][1], box[side][2]}}; };
+        return VisitedNode{ref, is_leaf(ref), {corner(0), corner(1)}};
+    };
+    for (const VisitedPair& pair : visited) out.push_back({metres(a.wide(), pair.a, pair.box_a), metres(b.wide(), pair.b, pair.box_b)});
+    return out;
 }
 
 }  // namespace carom

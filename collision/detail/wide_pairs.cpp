@@ -278,8 +278,9 @@ HWY_INLINE void prefetch(const WideBvh& tree, WideRef ref) {
 template <bool kDeepestFirst>
 class Descent {
 public:
-    HWY_INLINE Descent(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, std::vector<PairEntry>& stack)
-        : a_(a), b_(b), placement_(placement), stack_(stack) {
+    HWY_INLINE Descent(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, std::vector<VisitedPair>* visited,
+                       std::vector<PairEntry>& stack)
+        : a_(a), b_(b), placement_(placement), visited_(visited), stack_(stack) {
         for (int k = 0; k < 3; ++k) {
             root_[0][0][k][0] = a.lower[k], root_[0][1][k][0] = a.upper[k];
             root_[1][0][k][0] = b.lower[k], root_[1][1][k][0] = b.upper[k];
@@ -293,6 +294,7 @@ public:
         while (!stack_.empty()) {
             const PairEntry here = stack_.back();
             stack_.pop_back();
+            if (visited_ != nullptr) note(here);
             if (!is_leaf(here.a)) {
                 if (is_leaf(here.b)) {
                     leaf_of_b(here);
@@ -308,6 +310,16 @@ public:
     }
 
 private:
+    HWY_NOINLINE void note(const PairEntry& here) {
+        VisitedPair& pair = visited_->emplace_back(VisitedPair{here.a, here.b, {}, {}});
+        for (int side = 0; side < 2; ++side) {
+            for (int k = 0; k < 3; ++k) {
+                pair.box_a[side][k] = here.box_a.lane[(3 * side + k) * kWidth];
+                pair.box_b[side][k] = here.box_b.lane[(3 * side + k) * kWidth];
+            }
+        }
+    }
+
     HWY_INLINE void describe_a(WideRef leaf) {
         if (leaf == described_a_) return;
         described_a_ = leaf;
@@ -390,6 +402,7 @@ private:
 
     const WideBvh &a_, &b_;
     const WidePlacement& placement_;
+    std::vector<VisitedPair>* visited_;
     std::vector<PairEntry>& stack_;
     alignas(64) Bounds a_in_b_, b_in_a_;
     Described first_, second_;
@@ -400,18 +413,18 @@ private:
 };
 
 template <bool kDeepestFirst>
-void descend_in(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, LeafPairVisit visit) {
+void descend_in(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, LeafPairVisit visit, std::vector<VisitedPair>* visited) {
     // A visit may descend another pair of trees: the buffer is then in use.
     thread_local std::vector<PairEntry> kept;
     std::vector<PairEntry> stack = std::move(kept);
-    Descent<kDeepestFirst>(a, b, placement, stack).run(visit);
+    Descent<kDeepestFirst>(a, b, placement, visited, stack).run(visit);
     kept = std::move(stack);
 }
-void descend(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, LeafPairVisit visit, bool deepest_first) {
-    if (deepest_first) {
-        descend_in<true>(a, b, placement, visit);
+void descend(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, LeafPairVisit visit, const PairWalk& walk) {
+    if (walk.deepest_first) {
+        descend_in<true>(a, b, placement, visit, walk.visited);
     } else {
-        descend_in<false>(a, b, placement, visit);
+        descend_in<false>(a, b, placement, visit, walk.visited);
     }
 }
 
@@ -428,11 +441,11 @@ HWY_EXPORT(descend);
 }  // namespace
 
 void visit_leaf_pairs(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, LeafPairVisit visit,
-                      PairOrder order) {
+                      const PairWalk& walk) {
     if (placement.too_unlike) {
-        visit_leaf_pairs_in_double(a, b, placement, visit);
+        visit_leaf_pairs_in_double(a, b, placement, visit, walk);
     } else {
-        HWY_DYNAMIC_DISPATCH(descend)(a, b, placement, visit, order == PairOrder::DeepestFirst);
+        HWY_DYNAMIC_DISPATCH(descend)(a, b, placement, visit, walk);
     }
 }
 

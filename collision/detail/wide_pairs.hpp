@@ -1,8 +1,7 @@
 // Two wide hierarchies descended together.
 //
 //   WidePlacement placement;
-//   if (place(a, b, b_in_a, placement)) visit_leaf_pairs(a, b, placement, [&](const LeafPair& pair) { ...; return true; },
-//                                                          PairOrder::AsTheyCome);
+//   if (place(a, b, b_in_a, placement)) visit_leaf_pairs(a, b, placement, [&](const LeafPair& pair) { ...; return true; }, {});
 //
 // Write u = 2^-24, X for the largest coordinate of either tree and T for the largest coordinate of the translation, all in the
 // coordinates that are worked in. Coordinates of the other mesh are mapped by three products and three sums in float; with the
@@ -34,6 +33,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace carom {
 
@@ -81,17 +81,23 @@ struct LeafPair {
 };
 using LeafPairVisit = FunctionRef<bool(const LeafPair&)>;
 
-enum class PairOrder : std::uint8_t {
-    AsTheyCome,
-    DeepestFirst  ///< of the pairs that a step finds, for who stops at the first
+/// A pair of nodes or leaves that was looked at, with the box of each in its own tree's coordinates.
+struct VisitedPair {
+    WideRef a, b;
+    float box_a[2][3], box_b[2][3];  ///< [lower, upper][x, y, z]
+};
+
+struct PairWalk {
+    bool deepest_first = false;                  ///< of the pairs that a step finds, for who stops at the first
+    std::vector<VisitedPair>* visited = nullptr;  ///< where to write what is looked at, in its order
 };
 
 /// Calls `visit` for every pair of leaves with a pair of triangles that may be within the reach, until it returns false. Allocates only
 /// while a buffer of the calling thread grows.
-void visit_leaf_pairs(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, LeafPairVisit visit, PairOrder order);
+void visit_leaf_pairs(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, LeafPairVisit visit, const PairWalk& walk);
 
 /// The same box by box in double, leaving only boxes to part what does not meet: for sizes that float cannot hold together, and to
 /// compare with.
-void visit_leaf_pairs_in_double(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, LeafPairVisit visit);
+void visit_leaf_pairs_in_double(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, LeafPairVisit visit, const PairWalk& walk);
 
 }  // namespace carom

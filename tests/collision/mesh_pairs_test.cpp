@@ -280,8 +280,8 @@ TEST(MeshPairs, AreTheSameBoxByBoxInDouble) {
                 return true;
             };
         };
-        visit_leaf_pairs(bvh.wide(), bvh.wide(), placement, list(lanes, false), PairOrder::AsTheyCome);
-        visit_leaf_pairs_in_double(bvh.wide(), bvh.wide(), placement, list(slow, true));
+        visit_leaf_pairs(bvh.wide(), bvh.wide(), placement, list(lanes, false), {});
+        visit_leaf_pairs_in_double(bvh.wide(), bvh.wide(), placement, list(slow, true), {});
         std::sort(lanes.begin(), lanes.end());
         for (const TrianglePair& pair : slow) ASSERT_TRUE(std::binary_search(lanes.begin(), lanes.end(), pair)) << n;
         EXPECT_LE(lanes.size(), slow.size() + slow.size() / 10 + 4) << n;
