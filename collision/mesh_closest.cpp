@@ -106,19 +106,16 @@ std::optional<ClosestOfMeshes> closest_pair(const StaticBvh& a, const StaticBvh&
     Nearest nearest(placement, radius, doubt);
     const Corners corners(placement, 1.0 / static_cast<double>(a.wide().scale));
     visit_leaf_pairs(a.wide(), b.wide(), placement, [&](const LeafPair& pair) {
-        for (std::size_t j = 0; j < pair.b.triangle_count; ++j) {
-            if (pair.partners[j] == 0) continue;
-            const Boxed y = corners.of_b(pair.b, j);
-            for (std::uint32_t rest = pair.partners[j]; rest != 0; rest &= rest - 1) {
-                const auto i = static_cast<std::size_t>(std::countr_zero(rest));
-                const Boxed x = corners.of_a(pair.a, i);
-                if (!nearest.may_count(gap_of(x, y))) continue;
-                nearest.offer(x.triangle, y.triangle, {pair.a.triangle[i], pair.b.triangle[j]});
-                if (nearest.is_zero()) return false;
-            }
+        std::optional<Boxed> y;
+        for (std::size_t k = 0; k < pair.count; ++k) {
+            if (k == 0 || pair.of_b(k) != pair.of_b(k - 1)) y = corners.of_b(*pair.b, pair.of_b(k));
+            const Boxed x = corners.of_a(*pair.a, pair.of_a(k));
+            if (!nearest.may_count(gap_of(x, *y))) continue;
+            nearest.offer(x.triangle, y->triangle, {pair.triangle_of_a(k), pair.triangle_of_b(k)});
+            if (nearest.is_zero()) return false;
         }
         return true;
-    });
+    }, {.deepest_first = true});
     return nearest.found();
 }
 

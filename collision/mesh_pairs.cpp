@@ -4,8 +4,10 @@
 #include <carom/core/check.hpp>
 #include <carom/core/radix_sort.hpp>
 
+#include <algorithm>
 #include <array>
 #include <bit>
+#include <utility>
 
 namespace carom {
 namespace {
@@ -16,21 +18,21 @@ public:
     PlacedLeaves(const LeafPair& pair, const WidePlacement& placement) : pair_(pair), placement_(placement) {}
 
     [[nodiscard]] bool meet(std::size_t i, std::size_t j) {
-        const WideLeaf& a = pair_.a;
+        const WideLeaf &a = *pair_.a, &b = *pair_.b;
         detail::TriangleCorners first, second;
         for (std::size_t k = 0; k < 3; ++k) {
             const std::size_t v = a.corner[k][i];
             first[k] = dvec3{a.vertex[0][v], a.vertex[1][v], a.vertex[2][v]};
-            second[k] = placed(pair_.b.corner[k][j]);
+            second[k] = placed(b, b.corner[k][j]);
         }
         return detail::triangles_meet(first, second);
     }
 
 private:
-    const dvec3& placed(std::size_t v) {
+    const dvec3& placed(const WideLeaf& b, std::size_t v) {
         if ((done_ >> v & 1u) == 0) {
             done_ |= 1u << v;
-            points_[v] = placement_.place(pair_.b.vertex[0][v], pair_.b.vertex[1][v], pair_.b.vertex[2][v]);
+            points_[v] = placement_.place(b.vertex[0][v], b.vertex[1][v], b.vertex[2][v]);
         }
         return points_[v];
     }
@@ -42,32 +44,63 @@ private:
 };
 
 /// Calls `met(a, b)` for each pair of triangles that meet, until it returns false.
+/// @param deepest_first  for who wants one pair soon.
 template <class Met>
-void for_each_pair(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a, Met met) {
+void for_each_pair(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a, bool deepest_first, Met met) {
     WidePlacement placement;
     if (!place(a.wide(), b.wide(), b_in_a, 0.0, placement)) return;
     visit_leaf_pairs(a.wide(), b.wide(), placement, [&](const LeafPair& pair) {
         PlacedLeaves leaves(pair, placement);
-        for (std::size_t j = 0; j < pair.b.triangle_count; ++j) {
-            for (std::uint32_t rest = pair.partners[j]; rest != 0; rest &= rest - 1) {
-                const auto i = static_cast<std::size_t>(std::countr_zero(rest));
-                const bool certain = (pair.certain[j] >> i & 1u) != 0;
-                if ((certain || leaves.meet(i, j)) && !met(TrianglePair{pair.a.triangle[i], pair.b.triangle[j]})) return false;
-            }
+        for (std::size_t k = 0; k < pair.count; ++k) {
+            if (!pair.is_certain(k) && !leaves.meet(pair.of_a(k), pair.of_b(k))) continue;
+            if (!met(TrianglePair{pair.triangle_of_a(k), pair.triangle_of_b(k)})) return false;
         }
         return true;
-    });
+    }, {.deepest_first = deepest_first});
+}
+
+/// Sorts `keys`, which all differ, by one pass into buckets and a look at neighbours: where keys are spread out, half the time of radix_sort().
+/// @return false where too many of them fall into one bucket; then they are left as they are.
+bool spread_sort(std::vector<std::uint64_t>& keys, std::vector<std::uint64_t>& sorted) {
+    constexpr std::size_t kMostBuckets = 2048, kMostInBucket = 24;
+    const std::size_t n = keys.size();
+    const auto [least, greatest] = std::minmax_element(keys.begin(), keys.end());
+    const std::uint64_t start = *least;
+    const std::size_t buckets = std::min(kMostBuckets, std::bit_ceil(2 * n));
+    const auto shift = static_cast<unsigned>(std::max(0, static_cast<int>(std::bit_width(*greatest - start)) - static_cast<int>(std::bit_width(buckets - 1))));
+    std::array<std::uint32_t, kMostBuckets> place;
+    std::fill_n(place.begin(), buckets, 0u);
+    for (const std::uint64_t key : keys) ++place[(key - start) >> shift];
+    std::uint32_t before = 0, largest = 0;
+    for (std::size_t k = 0; k < buckets; ++k) {
+        largest = std::max(largest, place[k]);
+        before += std::exchange(place[k], before);
+    }
+    if (largest > kMostInBucket) return false;
+    sorted.resize(n);
+    for (const std::uint64_t key : keys) sorted[place[(key - start) >> shift]++] = key;
+    for (std::size_t k = 1; k < n; ++k) {
+        const std::uint64_t key = sorted[k];
+        std::size_t at = k;
+        for (; at > 0 && sorted[at - 1] > key; --at) sorted[at] = sorted[at - 1];
+        sorted[at] = key;
+    }
+    keys.swap(sorted);
+    return true;
 }
 
 /// Sorts without allocating once the calling thread's buffers have grown.
 void sort_pairs(std::vector<TrianglePair>& pairs) {
     thread_local RadixScratch scratch;
-    thread_local std::vector<std::uint64_t> keys;
+    thread_local std::vector<std::uint64_t> keys, sorted;
     thread_local std::vector<std::uint32_t> payload;
+    if (pairs.size() < 2) return;
     keys.clear();
     for (const TrianglePair& pair : pairs) keys.push_back(std::uint64_t{pair.a} << 32 | pair.b);
-    payload.resize(keys.size());
-    radix_sort(keys, payload, scratch);
+    if (!spread_sort(keys, sorted)) {
+        payload.resize(keys.size());
+        radix_sort(keys, payload, scratch);
+    }
     for (std::size_t k = 0; k < keys.size(); ++k) {
         pairs[k] = {static_cast<std::uint32_t>(keys[k] >> 32), static_cast<std::uint32_t>(keys[k])};
     }
@@ -77,7 +110,7 @@ void sort_pairs(std::vector<TrianglePair>& pairs) {
 
 std::optional<TrianglePair> find_overlap(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a) {
     std::optional<TrianglePair> found;
-    for_each_pair(a, b, b_in_a, [&](const TrianglePair& pair) {
+    for_each_pair(a, b, b_in_a, true, [&](const TrianglePair& pair) {
         found = pair;
         return false;
     });
@@ -88,7 +121,7 @@ bool meshes_overlap(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a) 
 
 void overlapping_pairs(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a, std::vector<TrianglePair>& pairs) {
     pairs.clear();
-    for_each_pair(a, b, b_in_a, [&](const TrianglePair& pair) {
+    for_each_pair(a, b, b_in_a, false, [&](const TrianglePair& pair) {
         pairs.push_back(pair);
         return true;
     });
@@ -101,14 +134,26 @@ void near_pairs(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a, doub
     WidePlacement placement;
     if (!place(a.wide(), b.wide(), b_in_a, reach, placement)) return;
     visit_leaf_pairs(a.wide(), b.wide(), placement, [&](const LeafPair& pair) {
-        for (std::size_t j = 0; j < pair.b.triangle_count; ++j) {
-            for (std::uint32_t rest = pair.partners[j]; rest != 0; rest &= rest - 1) {
-                pairs.push_back({pair.a.triangle[std::countr_zero(rest)], pair.b.triangle[j]});
-            }
-        }
+        for (std::size_t k = 0; k < pair.count; ++k) pairs.push_back({pair.triangle_of_a(k), pair.triangle_of_b(k)});
         return true;
-    });
+    }, {});
     sort_pairs(pairs);
+}
+
+std::vector<NodePair> visited_nodes(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a, double reach) {
+    CAROM_REQUIRE(is_finite(reach) && reach >= 0.0, ErrorCode::InvalidArgument, "visited_nodes: the reach must be finite and not negative", {});
+    std::vector<NodePair> out;
+    WidePlacement placement;
+    if (!place(a.wide(), b.wide(), b_in_a, reach, placement)) return out;
+    std::vector<VisitedPair> visited;
+    visit_leaf_pairs(a.wide(), b.wide(), placement, [](const LeafPair&) { return true; }, {.visited = &visited});
+    const auto metres = [](const WideBvh& tree, WideRef ref, const float (&box)[2][3]) {
+        const double unit = 1.0 / static_cast<double>(tree.scale);
+        const auto corner = [&](int side) { return unit * dvec3{vec3{box[side][0], box[side][1], box[side][2]}}; };
+        return VisitedNode{ref, is_leaf(ref), {corner(0), corner(1)}};
+    };
+    for (const VisitedPair& pair : visited) out.push_back({metres(a.wide(), pair.a, pair.box_a), metres(b.wide(), pair.b, pair.box_b)});
+    return out;
 }
 
 }  // namespace carom

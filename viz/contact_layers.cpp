@@ -1,6 +1,8 @@
 #include <carom/viz/contact_layers.hpp>
 
 #include <carom/collision/aabb.hpp>
+#include <carom/collision/mesh_pairs.hpp>
+#include <carom/collision/triangle_mesh.hpp>
 #include <carom/viz/layer.hpp>
 #include <carom/viz/shape_geometry.hpp>
 
@@ -11,6 +13,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <set>
 #include <utility>
 
 namespace carom {
@@ -41,6 +44,7 @@ public:
             if (pair_.contact->distance) paint_simplex(*pair_.contact->distance);
             if (pair_.contact->patch) paint_patch(*pair_.contact->patch);
             paint_manifolds(pair_.contact->manifolds);
+            paint_nodes(pair_.contact->margin);
         }
         return std::move(frame_);
     }
@@ -144,6 +148,24 @@ private:
                 out.lines.push_back({p.position, p.position + static_cast<float>(length_) * m.normal, color, {}});
             }
         }
+    }
+
+    void paint_nodes(double margin) {
+        const auto* a = std::get_if<TriangleMeshPtr>(&world_.shape(pair_.shape_a));
+        const auto* b = std::get_if<TriangleMeshPtr>(&world_.shape(pair_.shape_b));
+        if (a == nullptr || b == nullptr) return;
+        std::set<std::int32_t> seen_a, seen_b;  // a node is looked at with several of the other tree
+        for (const NodePair& pair : visited_nodes((*a)->bvh(), (*b)->bvh(), inverse(pair_.pose_a) * pair_.pose_b, margin)) {
+            if (seen_a.insert(pair.a.id).second) paint_node(pair.a, pair_.pose_a, kLineA, why_.body_a);
+            if (seen_b.insert(pair.b.id).second) paint_node(pair.b, pair_.pose_b, kLineB, why_.body_b);
+        }
+    }
+
+    void paint_node(const VisitedNode& node, const Pose& pose, Color color, BodyId body) {
+        if (!node.is_leaf) color.a = 60;
+        DebugLayer& out = layer(kWhyNodes);
+        out.visible = false;  // it hides the contacts
+        append_box_edges(out, node.box, {pose.position - frame_.origin, pose.orientation}, color, body);
     }
 
     const World& world_;

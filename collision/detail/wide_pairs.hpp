@@ -1,7 +1,7 @@
 // Two wide hierarchies descended together.
 //
 //   WidePlacement placement;
-//   if (place(a, b, b_in_a, placement)) visit_leaf_pairs(a, b, placement, [&](const LeafPair& pair) { ...; return true; });
+//   if (place(a, b, b_in_a, placement)) visit_leaf_pairs(a, b, placement, [&](const LeafPair& pair) { ...; return true; }, {});
 //
 // Write u = 2^-24, X for the largest coordinate of either tree and T for the largest coordinate of the translation, all in the
 // coordinates that are worked in. Coordinates of the other mesh are mapped by three products and three sums in float; with the
@@ -31,7 +31,9 @@
 #include <carom/core/function_ref.hpp>
 #include <carom/core/pose.hpp>
 
+#include <cstddef>
 #include <cstdint>
+#include <vector>
 
 namespace carom {
 
@@ -62,22 +64,40 @@ struct WidePlacement {
 /// @return false where no points of the two are within `reach` of each other, and where the pose is not finite.
 [[nodiscard]] bool place(const WideBvh& a, const WideBvh& b, const Pose& b_in_a, double reach, WidePlacement& out) noexcept;
 
-/// Triangles of two leaves that neither their boxes nor their planes keep farther apart than the reach: of triangle j of leaf b those of
-/// `partners[j]` of leaf a.
+/// Triangles of two leaves that neither their boxes nor their planes keep farther apart than the reach.
 struct LeafPair {
-    const WideLeaf& a;
-    const WideLeaf& b;
-    std::uint32_t partners[kWidth];
-    std::uint32_t certain[kWidth];  ///< those of the partners that meet for certain
+    static constexpr std::int32_t kCertain = 256;
+
+    const WideLeaf* a = nullptr;
+    const WideLeaf* b = nullptr;
+    std::size_t count = 0;
+    alignas(64) std::int32_t candidate[kWidth * kWidth + kWidth];  ///< i + 16 j for triangle i of a and j of b, + kCertain where they meet for certain
+
+    [[nodiscard]] std::size_t of_a(std::size_t k) const noexcept { return static_cast<std::size_t>(candidate[k] & 15); }
+    [[nodiscard]] std::size_t of_b(std::size_t k) const noexcept { return static_cast<std::size_t>(candidate[k] >> 4 & 15); }
+    [[nodiscard]] bool is_certain(std::size_t k) const noexcept { return (candidate[k] & kCertain) != 0; }
+    [[nodiscard]] std::uint32_t triangle_of_a(std::size_t k) const noexcept { return a->triangle[of_a(k)]; }
+    [[nodiscard]] std::uint32_t triangle_of_b(std::size_t k) const noexcept { return b->triangle[of_b(k)]; }
 };
 using LeafPairVisit = FunctionRef<bool(const LeafPair&)>;
 
+/// A pair of nodes or leaves that was looked at, with the box of each in its own tree's coordinates.
+struct VisitedPair {
+    WideRef a, b;
+    float box_a[2][3], box_b[2][3];  ///< [lower, upper][x, y, z]
+};
+
+struct PairWalk {
+    bool deepest_first = false;                  ///< of the pairs that a step finds, for who stops at the first
+    std::vector<VisitedPair>* visited = nullptr;  ///< where to write what is looked at, in its order
+};
+
 /// Calls `visit` for every pair of leaves with a pair of triangles that may be within the reach, until it returns false. Allocates only
 /// while a buffer of the calling thread grows.
-void visit_leaf_pairs(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, LeafPairVisit visit);
+void visit_leaf_pairs(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, LeafPairVisit visit, const PairWalk& walk);
 
 /// The same box by box in double, leaving only boxes to part what does not meet: for sizes that float cannot hold together, and to
 /// compare with.
-void visit_leaf_pairs_in_double(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, LeafPairVisit visit);
+void visit_leaf_pairs_in_double(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, LeafPairVisit visit, const PairWalk& walk);
 
 }  // namespace carom

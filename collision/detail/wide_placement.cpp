@@ -53,6 +53,17 @@ std::vector<Child> children_of(const WideBvh& tree, const Child& parent) {
     return children;
 }
 
+VisitedPair visited(const Child& first, const Child& second) {
+    VisitedPair pair{first.ref, second.ref, {}, {}};
+    for (int k = 0; k < 3; ++k) {
+        pair.box_a[0][k] = static_cast<float>(first.box.lower[k]);
+        pair.box_a[1][k] = static_cast<float>(first.box.upper[k]);
+        pair.box_b[0][k] = static_cast<float>(second.box.lower[k]);
+        pair.box_b[1][k] = static_cast<float>(second.box.upper[k]);
+    }
+    return pair;
+}
+
 }  // namespace
 
 dvec3 WidePlacement::place(float x, float y, float z) const noexcept {
@@ -111,15 +122,21 @@ bool place(const WideBvh& a, const WideBvh& b, const Pose& b_in_a, double reach,
     return true;
 }
 
-void visit_leaf_pairs_in_double(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, LeafPairVisit visit) {
+void visit_leaf_pairs_in_double(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, LeafPairVisit visit,
+                                const PairWalk& walk) {
     std::vector<std::pair<Child, Child>> stack{{{WideBvh::root(), {dvec3{a.lower}, dvec3{a.upper}}},
                                                 {WideBvh::root(), {dvec3{b.lower}, dvec3{b.upper}}}}};
     while (!stack.empty()) {
         const auto [first, second] = stack.back();
         stack.pop_back();
+        if (walk.visited != nullptr) walk.visited->push_back(visited(first, second));
         if (is_leaf(first.ref) && is_leaf(second.ref)) {
-            LeafPair pair{a.leaf(first.ref), b.leaf(second.ref), {}, {}};
-            std::fill_n(pair.partners, pair.b.triangle_count, (1u << pair.a.triangle_count) - 1u);
+            LeafPair pair;
+            pair.a = &a.leaf(first.ref);
+            pair.b = &b.leaf(second.ref);
+            for (std::uint32_t j = 0; j < pair.b->triangle_count; ++j) {
+                for (std::uint32_t i = 0; i < pair.a->triangle_count; ++i) pair.candidate[pair.count++] = static_cast<std::int32_t>(i + 16 * j);
+            }
             if (!visit(pair)) return;
             continue;
         }

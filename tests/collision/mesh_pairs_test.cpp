@@ -265,27 +265,23 @@ TEST(MeshPairs, AreTheSameBoxByBoxInDouble) {
         std::size_t certain = 0;
         const auto list = [&](std::vector<TrianglePair>& out, bool check) {
             return [&, check](const LeafPair& pair) {
-                for (std::size_t j = 0; j < pair.b.triangle_count; ++j) {
-                    for (std::size_t i = 0; i < pair.a.triangle_count; ++i) {
-                        if ((pair.partners[j] >> i & 1u) == 0) continue;
-                        TriangleCorners x{}, y{};
-                        for (std::size_t k = 0; k < 3; ++k) {
-                            const std::size_t v = pair.a.corner[k][i], w = pair.b.corner[k][j];
-                            x[k] = dvec3(vec3{pair.a.vertex[0][v], pair.a.vertex[1][v], pair.a.vertex[2][v]});
-                            y[k] = placement.place(pair.b.vertex[0][w], pair.b.vertex[1][w], pair.b.vertex[2][w]);
-                        }
-                        const bool meet = detail::triangles_meet(x, y);
-                        const bool sure = (pair.certain[j] >> i & 1u) != 0;
-                        EXPECT_TRUE(meet || !sure) << n;
-                        certain += sure ? 1u : 0u;
-                        if (!check || meet) out.push_back({pair.a.triangle[i], pair.b.triangle[j]});
+                for (std::size_t n_pair = 0; n_pair < pair.count; ++n_pair) {
+                    TriangleCorners x{}, y{};
+                    for (std::size_t k = 0; k < 3; ++k) {
+                        const std::size_t v = pair.a->corner[k][pair.of_a(n_pair)], w = pair.b->corner[k][pair.of_b(n_pair)];
+                        x[k] = dvec3(vec3{pair.a->vertex[0][v], pair.a->vertex[1][v], pair.a->vertex[2][v]});
+                        y[k] = placement.place(pair.b->vertex[0][w], pair.b->vertex[1][w], pair.b->vertex[2][w]);
                     }
+                    const bool meet = detail::triangles_meet(x, y);
+                    EXPECT_TRUE(meet || !pair.is_certain(n_pair)) << n;
+                    certain += pair.is_certain(n_pair) ? 1u : 0u;
+                    if (!check || meet) out.push_back({pair.triangle_of_a(n_pair), pair.triangle_of_b(n_pair)});
                 }
                 return true;
             };
         };
-        visit_leaf_pairs(bvh.wide(), bvh.wide(), placement, list(lanes, false));
-        visit_leaf_pairs_in_double(bvh.wide(), bvh.wide(), placement, list(slow, true));
+        visit_leaf_pairs(bvh.wide(), bvh.wide(), placement, list(lanes, false), {});
+        visit_leaf_pairs_in_double(bvh.wide(), bvh.wide(), placement, list(slow, true), {});
         std::sort(lanes.begin(), lanes.end());
         for (const TrianglePair& pair : slow) ASSERT_TRUE(std::binary_search(lanes.begin(), lanes.end(), pair)) << n;
         EXPECT_LE(lanes.size(), slow.size() + slow.size() / 10 + 4) << n;

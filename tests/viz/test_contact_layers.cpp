@@ -1,7 +1,10 @@
 // The layers of an explanation: there where the pair has such a thing, where the last step saw it.
 #include <carom/viz/contact_layers.hpp>
 
+#include <carom/collision/mesh_pairs.hpp>
+#include <carom/collision/triangle_mesh.hpp>
 #include <carom/dynamics/world.hpp>
+#include <carom/scenes/bumpy.hpp>
 #include <carom/viz/layer.hpp>
 
 #include <gtest/gtest.h>
@@ -64,6 +67,39 @@ TEST(ContactLayers, APairThatIsApartHasItsGap) {
     EXPECT_TRUE(frame.find(kWhyBounds)->visible) << "the bounds are what parts them";
     ASSERT_EQ(frame.find(kWhyAxis)->texts.size(), 1u);
     EXPECT_EQ(frame.find(kWhyAxis)->texts[0].text, "gap 2.001 m");
+}
+
+TEST(ContactLayers, TwoMeshesHaveTheNodesThatWereLookedAt) {
+    const MeshData ball = scenes::bumpy(8);
+    const TriangleMeshPtr mesh = TriangleMesh::build(ball.vertices, ball.triangles).value();
+    World world{{.gravity = {0, 0, 0}}};
+    const BodyId low = world.create_body({.type = BodyType::Static, .position = {1e6, 0, 0}});
+    const BodyId high = world.create_body({.position = {1e6, 1.9, 0.1}});
+    const BodyId crate = world.create_body({.position = {1e6, -1.2, 0}});
+    world.add_shape(low, mesh);
+    world.add_shape(high, mesh);
+    world.add_shape(crate, Box{{0.5f, 0.5f, 0.5f}});
+    world.step(1.0 / 60.0);
+    const ContactExplanation why = world.explain(low, high);
+    const DebugFrame frame = make_contact_frame(world, why);
+    const Status status = validate(frame);
+    EXPECT_TRUE(status) << status.error().message;
+    const DebugLayer* nodes = frame.find(kWhyNodes);
+    ASSERT_NE(nodes, nullptr);
+    EXPECT_FALSE(nodes->visible);
+    const ShapePairExplanation& pair = why.pairs[why.deciding];
+    std::set<std::int32_t> of_low, of_high;
+    const Pose high_in_low = inverse(pair.pose_a) * pair.pose_b;
+    for (const NodePair& v : visited_nodes(mesh->bvh(), mesh->bvh(), high_in_low, pair.contact->margin)) {
+        of_low.insert(v.a.id);
+        of_high.insert(v.b.id);
+    }
+    EXPECT_EQ(nodes->lines.size(), 12 * (of_low.size() + of_high.size())) << "a box for each node, once";
+    // The boxes of the lower mesh are among those of all its nodes, those of the upper one lie above.
+    float highest = -1.0f;
+    for (const DebugLine& line : nodes->lines) highest = std::max({highest, line.a.y, line.b.y});
+    EXPECT_GT(highest, 2.0f);
+    EXPECT_EQ(make_contact_frame(world, world.explain(low, crate)).find(kWhyNodes), nullptr) << "a box has no nodes";
 }
 
 TEST(ContactLayers, WithoutShapesThereIsNothing) {

@@ -1,0 +1,268 @@
+// Lanes over the boxes of nodes and the triangles of leaves, of two wide hierarchies: which boxes overlap, which triangles meet.
+//
+//   first.set(leaf_a, leaf_a.vertex, margin); second.set(leaf_b, placed, margin);
+//   list_partners(first, second, among, pair);          // by boxes
+//   judge_partners(first, second, placement, pair);     // by planes and crossings, packed: a pair of triangles in each lane
+//
+// Included by kernel files after foreach_target.h; core/lanes.hpp says how these are written. The bounds are those of wide_pairs.hpp.
+
+// This guard lets the file through once for each target.
+#if defined(CAROM_COLLISION_WIDE_LEAF_PAIRS_HPP) == defined(HWY_TARGET_TOGGLE)
+#ifdef CAROM_COLLISION_WIDE_LEAF_PAIRS_HPP
+#undef CAROM_COLLISION_WIDE_LEAF_PAIRS_HPP
+#else
+#define CAROM_COLLISION_WIDE_LEAF_PAIRS_HPP
+#endif
+
+#include <carom/collision/detail/wide_pairs.hpp>
+#include <carom/collision/detail/wide_traverse.hpp>
+
+#include <bit>
+#include <cstddef>
+#include <cstdint>
+
+HWY_BEFORE_NAMESPACE();
+namespace carom::HWY_NAMESPACE {
+
+using Bounds = float[2][3][kWidth];  ///< [lower, upper][x, y, z][child or triangle]
+
+/// Boxes around boxes that are turned and moved. Lanes without a child become anything.
+HWY_INLINE void place_boxes(const Bounds& bound, const float (&to)[3][4], float margin, Bounds& out) {
+    for (int row = 0; row < 3; ++row) {
+        for (int part = 0; part < kWidth; part += kLanes) {
+            Floats lower(to[row][3] - margin), upper(to[row][3] + margin);
+            for (int k = 0; k < 3; ++k) {
+                const Floats factor(to[row][k]);
+                const int low = to[row][k] < 0.0f ? 1 : 0;
+                lower += factor * load(bound[low][k] + part);
+                upper += factor * load(bound[1 - low][k] + part);
+            }
+            store(lower, out[0][row] + part);
+            store(upper, out[1][row] + part);
+        }
+    }
+}
+
+/// The box of a child or a triangle among others, as load(at(...)) of its node has it.
+struct BoxAt {
+    const float* lane;  ///< of the lower x
+    HWY_INLINE BoxAt(const Bounds& of, std::size_t j) : lane(&of[0][0][j]) {}
+    HWY_INLINE Floats lower(int k) const { return Floats(lane[k * kWidth]); }
+    HWY_INLINE Floats upper(int k) const { return Floats(lane[(3 + k) * kWidth]); }
+};
+
+/// Those of 16 boxes that overlap another.
+HWY_INLINE unsigned overlapping(const Bounds& boxes, BoxAt other) {
+    unsigned met = 0;
+    for (int part = 0; part < kWidth; part += kLanes) {
+        Mask all = (load(boxes[0][0] + part) <= other.upper(0)) & (load(boxes[1][0] + part) >= other.lower(0));
+        for (int k = 1; k < 3; ++k) all = all & (load(boxes[0][k] + part) <= other.upper(k)) & (load(boxes[1][k] + part) >= other.lower(k));
+        met |= bits(all) << part;
+    }
+    return met;
+}
+
+/// The same of the boxes in `among`, and how deep each of the 16 reaches into the other, at most: the least overlap along an axis. That is not
+/// below zero just where two boxes overlap, as the sign of a difference is not rounded.
+HWY_INLINE unsigned overlapping_deep(const Bounds& boxes, BoxAt other, unsigned among, float* depths) {
+    unsigned met = 0;
+    for (int part = 0; part < kWidth; part += kLanes) {
+        Floats depth(3e38f);
+        for (int k = 0; k < 3; ++k) {
+            depth = min(depth, min(load(boxes[1][k] + part), other.upper(k)) - max(load(boxes[0][k] + part), other.lower(k)));
+        }
+        met |= bits(depth >= Floats(0.0f)) << part;
+        store(depth, depths + part);
+    }
+    return met & among;
+}
+
+/// Triangles of a leaf with what tells others apart from them.
+struct alignas(64) Described {
+    Bounds box;                   ///< grown by the margin
+    float corner[3][3][kWidth];   ///< [corner][x, y, z]
+    Bounds whole;                 ///< around all boxes, in lane 0, where it was asked for
+    float longest;                ///< edge of a box, margin included
+    bool has_whole = false;
+
+    HWY_INLINE void set(const WideLeaf& leaf, const float (&vertex)[3][kWidth], float margin) {
+        Floats length(0.0f);
+        const Floats m(margin);
+        Table16 table[3];
+        for (int axis = 0; axis < 3; ++axis) {
+            for (int p = 0; p < kParts; ++p) table[axis].set(p, load(vertex[axis] + p * kLanes));
+        }
+        for (int part = 0; part < kWidth; part += kLanes) {
+            const Picks picks[3] = {Picks(leaf.corner[0] + part), Picks(leaf.corner[1] + part), Picks(leaf.corner[2] + part)};
+            for (int axis = 0; axis < 3; ++axis) {
+                const Floats p[3] = {picks[0](table[axis]), picks[1](table[axis]), picks[2](table[axis])};
+                for (int k = 0; k < 3; ++k) store(p[k], corner[k][axis] + part);
+                const Floats lower = min(min(p[0], p[1]), p[2]) - m;
+                const Floats upper = max(max(p[0], p[1]), p[2]) + m;
+                length = max(length, upper - lower);
+                store(lower, box[0][axis] + part);
+                store(upper, box[1][axis] + part);
+            }
+        }
+        longest = greatest_lane(length);
+        has_whole = false;
+    }
+
+    HWY_INLINE BoxAt around() {
+        if (!has_whole) {
+            has_whole = true;
+            for (int k = 0; k < 3; ++k) {
+                Floats lower(load(box[0][k])), upper(load(box[1][k]));
+                for (int part = kLanes; part < kWidth; part += kLanes) {
+                    lower = min(lower, load(box[0][k] + part));
+                    upper = max(upper, load(box[1][k] + part));
+                }
+                whole[0][k][0] = least_lane(lower);
+                whole[1][k][0] = greatest_lane(upper);
+            }
+        }
+        return BoxAt(whole, 0);
+    }
+};
+
+/// How far from zero determinants of triangles of two leaves must be to have a sign: the bounds of wide_pairs.hpp.
+struct Doubts {
+    float a, b;    ///< of heights over planes of triangles of a, and of b
+    float across;  ///< of crossings
+    float reach;
+
+    HWY_INLINE Doubts(const Described& first, const Described& second, const WidePlacement& placement) : reach(placement.reach_a) {
+        constexpr float u = 0x1p-24f;
+        const float l_a = 1.7321f * first.longest, l_b = 1.7321f * second.longest;
+        const float w = 1.7321f * (first.longest + second.longest + 4.0f * placement.margin_a);
+        const float edge_a = u * l_a, edge_b = 2.0f * placement.corner_error + u * l_b, between = placement.corner_error + u * w;
+        const float times = reach > 0.0f ? 4.0f : 1.0f;
+        a = times * bound(l_a, edge_a, w, between);
+        b = times * bound(l_b, edge_b, w, between);
+        across = bound(w, between, l_a, edge_a);
+    }
+    /// Of a determinant of vectors of sizes e, e, g, wrong by de, de, dg in each component.
+    HWY_INLINE static float bound(float e, float de, float g, float dg) {
+        const float of_g = 3.4642f * (de * e) + 3.0f * (de * de) + 0x1p-20f * (e * e);
+        const float of_dg = 1.7321f * (e * e) + 6.0f * (e * de) + 6.0f * (de * de);
+        return 1.01f * (g * of_g + dg * of_dg);
+    }
+};
+
+/// The lone corner of triangles of which one corner is on one side and two are on the other, and the two after it.
+struct Turned {
+    Floats3 lone, next, last;
+    Mask up;  ///< the lone corner is above
+};
+HWY_INLINE Mask alike(Mask x, Mask y) { return (x & y) | ((!x) & (!y)); }
+HWY_INLINE Turned turned(const Floats3 (&corner)[3], Mask up0, Mask up1, Mask up2) {
+    const Mask first = alike(up1, up2), second = alike(up0, up2);
+    return {select(first, corner[0], select(second, corner[1], corner[2])), select(first, corner[1], select(second, corner[2], corner[0])),
+            select(first, corner[2], select(second, corner[0], corner[1])), select(first, up0, select(second, up1, up2))};
+}
+
+struct Verdicts {
+    Mask near;     ///< nothing parts them
+    Mask certain;  ///< they meet
+};
+
+HWY_INLINE Floats greatest_sum(const Floats3& n) { return abs(n.x) + abs(n.y) + abs(n.z); }
+
+/// On pairs of triangles, one in each lane.
+HWY_INLINE Verdicts judge(const Floats3 (&corner)[3], const Floats3 (&other_corner)[3], const Doubts& doubts) {
+    const Floats3 normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
+    const Floats3 other_normal = cross(other_corner[1] - other_corner[0], other_corner[2] - other_corner[0]);
+    Floats above[3], other_above[3];
+    for (std::size_t k = 0; k < 3; ++k) {
+        above[k] = dot(other_normal, corner[k] - other_corner[0]);
+        other_above[k] = dot(normal, other_corner[k] - corner[0]);
+    }
+    Floats off_other(doubts.b), off_mine(doubts.a);
+    if (doubts.reach > 0.0f) {
+        off_other += Floats(doubts.reach) * greatest_sum(other_normal);
+        off_mine += Floats(doubts.reach) * greatest_sum(normal);
+    }
+    const Mask near = (min(min(above[0], above[1]), above[2]) <= off_other) & (max(max(above[0], above[1]), above[2]) >= -off_other) &
+                      (min(min(other_above[0], other_above[1]), other_above[2]) <= off_mine) &
+                      (max(max(other_above[0], other_above[1]), other_above[2]) >= -off_mine);
+    const Mask never = !first_lanes(kLanes);
+    if (doubts.reach > 0.0f || none(near)) return {near, never};
+
+    const Floats zero(0.0f);
+    const Turned a = turned(corner, above[0] > zero, above[1] > zero, above[2] > zero);
+    const Turned b = turned(other_corner, other_above[0] > zero, other_above[1] > zero, other_above[2] > zero);
+    const Floats3 to_q = select(b.up, a.next, a.last) - a.lone, to_r = select(b.up, a.last, a.next) - a.lone;
+    const Floats3 to_u = b.lone - a.lone, to_v = select(a.up, b.next, b.last) - a.lone, to_w = select(a.up, b.last, b.next) - a.lone;
+    const Floats first = dot(cross(to_q, to_u), to_v), second = dot(cross(to_r, to_w), to_u), across(doubts.across);
+    const Mask clear = (min(min(abs(above[0]), abs(above[1])), abs(above[2])) > off_other) &
+                       (min(min(abs(other_above[0]), abs(other_above[1])), abs(other_above[2])) > off_mine);
+    const Mask apart = clear & ((first > across) | (second > across));
+    return {near & (!apart), near & clear & (first < -across) & (second < -across)};
+}
+
+/// The vertices of a leaf of b in the frame of a.
+HWY_INLINE void place_vertices(const WideLeaf& leaf, const float (&to)[3][4], float (&out)[3][kWidth]) {
+    for (int row = 0; row < 3; ++row) {
+        for (int part = 0; part < kWidth; part += kLanes) {
+            Floats sum(to[row][3]);
+            for (int k = 0; k < 3; ++k) sum += Floats(to[row][k]) * load(leaf.vertex[k] + part);
+            store(sum, out[row] + part);
+        }
+    }
+}
+
+/// One of 16 floats in each lane.
+HWY_INLINE Floats pick(const float* of, Ints which) {
+#if HWY_TARGET == HWY_AVX3
+    return Floats{RawFloats{_mm512_permutexvar_ps(which.raw.raw, _mm512_load_ps(of))}};
+#elif HWY_TARGET == HWY_AVX2
+    const __m256 low = _mm256_permutevar8x32_ps(_mm256_load_ps(of), which.raw.raw);
+    const __m256 high = _mm256_permutevar8x32_ps(_mm256_load_ps(of + 8), which.raw.raw);
+    return Floats{RawFloats{_mm256_blendv_ps(low, high, _mm256_castsi256_ps(_mm256_slli_epi32(which.raw.raw, 28)))}};
+#else
+    return gather(of, which);
+#endif
+}
+HWY_INLINE Floats3 pick_corner(const Described& from, int k, Ints which) {
+    return {pick(from.corner[k][0], which), pick(from.corner[k][1], which), pick(from.corner[k][2], which)};
+}
+
+/// Lists the pairs of triangles whose boxes meet, of the triangles of b in `among`.
+HWY_INLINE void list_partners(const Described& first, const Described& second, unsigned among, LeafPair& pair) {
+    const auto triangles = static_cast<int>(pair.a->triangle_count);
+    std::size_t count = 0;
+    for (; among != 0; among &= among - 1) {
+        const auto j = static_cast<std::size_t>(std::countr_zero(among));
+        const BoxAt other(second.box, j);
+        for (int part = 0; part < kWidth; part += kLanes) {
+            Mask all = first_lanes(triangles > part ? triangles - part : 0);
+            for (int k = 0; k < 3; ++k) {
+                all = all & (load(first.box[0][k] + part) <= other.upper(k)) & (load(first.box[1][k] + part) >= other.lower(k));
+            }
+            count += compress_store(lane_numbers() + Ints(static_cast<std::int32_t>(16 * j) + part), all, pair.candidate + count);
+        }
+    }
+    store_unaligned(Ints(0), pair.candidate + count);
+    pair.count = count;
+}
+
+/// Keeps of the pairs listed those that nothing parts.
+HWY_INLINE void judge_partners(const Described& first, const Described& second, const WidePlacement& placement, LeafPair& pair) {
+    const Doubts doubts(first, second, placement);
+    std::size_t kept = 0;
+    for (std::size_t at = 0; at < pair.count; at += kLanes) {
+        const Ints code = load(pair.candidate + at);
+        const Ints i = code & Ints(15), j{hn::ShiftRight<4>(code.raw)};
+        const Floats3 corner[3] = {pick_corner(first, 0, i), pick_corner(first, 1, i), pick_corner(first, 2, i)};
+        const Floats3 other_corner[3] = {pick_corner(second, 0, j), pick_corner(second, 1, j), pick_corner(second, 2, j)};
+        const Verdicts verdicts = judge(corner, other_corner, doubts);
+        const Mask there = first_lanes(static_cast<int>(pair.count - at < kLanes ? pair.count - at : kLanes));
+        kept += compress_store(code + select(verdicts.certain, Ints(LeafPair::kCertain), Ints(0)), verdicts.near & there, pair.candidate + kept);
+    }
+    pair.count = kept;
+}
+
+}  // namespace carom::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target guard
