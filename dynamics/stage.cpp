@@ -7,13 +7,13 @@ const char* to_string(Stage stage) noexcept {
         case Stage::Bounds: return "Bounds";
         case Stage::Pairs: return "Pairs";
         case Stage::Collide: return "Collide";
+        case Stage::Restitution: return "Restitution";
         case Stage::Prepare: return "Prepare";
         case Stage::Velocities: return "Velocities";
         case Stage::WarmStart: return "WarmStart";
         case Stage::Solve: return "Solve";
         case Stage::Positions: return "Positions";
         case Stage::Relax: return "Relax";
-        case Stage::Restitution: return "Restitution";
         case Stage::Store: return "Store";
         case Stage::Quarantine: return "Quarantine";
     }

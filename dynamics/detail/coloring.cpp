@@ -33,7 +33,9 @@ void Coloring::color(std::span<const ContactRows> rows, std::int32_t movable) {
     }
     for (std::size_t i = 0; i < rows.size(); ++i) {
         if (rows[i].a < movable && rows[i].b < movable) continue;
-        std::uint32_t& row = used_[static_cast<std::size_t>(rows[i].a < movable ? rows[i].a : rows[i].b)];
+        const std::int32_t moves = rows[i].a < movable ? rows[i].a : rows[i].b;
+        std::uint32_t none = 0;  // of two that the solver does not move: any colour will do
+        std::uint32_t& row = moves < movable ? used_[static_cast<std::size_t>(moves)] : none;
         colors_[i] = take_color(row, shared_colors, kMaxColors);
         row |= bit_of(colors_[i]);
     }

@@ -91,7 +91,7 @@ struct SoftLanes {
 };
 
 template <bool kBias>
-CAROM_PASS_INLINE void solve_normal(PointLanes& p, int lane, const SoftLanes& soft, const SolveSettings& settings, bool bounces,
+CAROM_PASS_INLINE void solve_normal(PointLanes& p, int lane, const SoftLanes& soft, const SolveSettings& settings,
                   const Basis& basis, Floats separation, Bodies& a, Bodies& b) {
     const Floats zero = broadcast(0.0f);
     const Floats one = broadcast(1.0f);
@@ -121,7 +121,6 @@ CAROM_PASS_INLINE void solve_normal(PointLanes& p, int lane, const SoftLanes& so
     }
     const Floats accumulated = max(old + change, zero);
     put(p.normal_impulse, lane, accumulated);
-    if (bounces) put(p.peak_impulse, lane, max(get(p.peak_impulse, lane), accumulated));  // which restitution alone asks for
     const Floats3 impulse = (accumulated - old) * basis.n;
     a.pull(impulse, ra);
     b.push(impulse, rb);
@@ -149,36 +148,10 @@ void solve_bundle(ContactBundle& c, SolverBodies& all, const SolveSettings& sett
         PointLanes& p = c.points[static_cast<std::size_t>(k)];
         const Floats3 gap = db.at(lever_b(p, lane)) - da.at(lever_a(p, lane));
         const Floats separation = dot(gap, basis.n) + get(p.separation, lane);
-        solve_normal<kBias>(p, lane, soft, settings, c.bounces, basis, separation, a, b);
+        solve_normal<kBias>(p, lane, soft, settings, basis, separation, a, b);
     }
     write_bodies(all, rows_a, a);
     write_bodies(all, rows_b, b);
-}
-
-void restitute_bundle(ContactBundle& c, SolverBodies& all, float threshold, int lane) {
-    const Floats zero = broadcast(0.0f);
-    const Floats restitution = get(c.restitution, lane);
-    Bodies a = read_bodies(all, c.row_a.data() + lane);
-    Bodies b = read_bodies(all, c.row_b.data() + lane);
-    const Floats3 n{get(c.nx, lane), get(c.ny, lane), get(c.nz, lane)};
-    for (int k = 0; k < c.point_count; ++k) {
-        PointLanes& p = c.points[static_cast<std::size_t>(k)];
-        const Floats approach = get(p.approach, lane);
-        const Mask bounces =
-            (restitution > zero) & (approach < broadcast(-threshold)) & (get(p.peak_impulse, lane) > zero);
-        const Floats3 ra = lever_a(p, lane);
-        const Floats3 rb = lever_b(p, lane);
-        const Floats vn = dot(b.velocity_at(rb) - a.velocity_at(ra), n);
-        const Floats old = get(p.normal_impulse, lane);
-        const Floats wanted = max(old - get(p.normal_mass, lane) * (vn + restitution * approach), zero);
-        const Floats accumulated = select(bounces, wanted, old);
-        put(p.normal_impulse, lane, accumulated);
-        const Floats3 impulse = (accumulated - old) * n;
-        a.pull(impulse, ra);
-        b.push(impulse, rb);
-    }
-    write_bodies(all, c.row_a.data() + lane, a);
-    write_bodies(all, c.row_b.data() + lane, b);
 }
 
 void WarmStart(std::span<ContactBundle> bundles, SolverBodies& bodies) {
@@ -195,13 +168,6 @@ void Solve(std::span<ContactBundle> bundles, SolverBodies& bodies, const SolveSe
     }
 }
 
-void Restitute(std::span<ContactBundle> bundles, SolverBodies& bodies, float threshold) {
-    for (ContactBundle& c : bundles) {
-        if (!c.bounces) continue;  // for the whole bundle, so that every width treats its lanes alike
-        for (int lane = 0; lane < kBundleWidth; lane += kLanes) restitute_bundle(c, bodies, threshold, lane);
-    }
-}
-
 }  // namespace
 }  // namespace carom::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -210,7 +176,6 @@ HWY_AFTER_NAMESPACE();
 namespace carom {
 HWY_EXPORT(WarmStart);
 HWY_EXPORT(Solve);
-HWY_EXPORT(Restitute);
 
 namespace dynamics {
 
@@ -228,10 +193,6 @@ void warm_start(std::span<ContactBundle> bundles, SolverBodies& bodies) {
 
 void solve(std::span<ContactBundle> bundles, SolverBodies& bodies, const SolveSettings& settings) {
     HWY_DYNAMIC_DISPATCH(Solve)(bundles, bodies, settings);
-}
-
-void restitute(std::span<ContactBundle> bundles, SolverBodies& bodies, float threshold) {
-    HWY_DYNAMIC_DISPATCH(Restitute)(bundles, bodies, threshold);
 }
 
 }  // namespace dynamics

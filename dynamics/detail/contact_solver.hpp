@@ -15,6 +15,7 @@
 #include <carom/dynamics/detail/contact_set.hpp>
 #include <carom/dynamics/detail/part_surface.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
+#include <carom/dynamics/detail/row_rules.hpp>
 
 #include <cstdint>
 #include <span>
@@ -43,7 +44,6 @@ public:
     void warm_start(Executor& executor);
     void solve(bool bias, Executor& executor);
     void integrate_positions(Executor& executor);
-    void restitute(Executor& executor);
 
     /// Writes the bodies' new states and the contacts' impulses back.
     void store(BodyArrays& bodies, ContactSet& contacts, Executor& executor) const;
@@ -79,6 +79,7 @@ private:
     SolverSettings settings_;
     SoftContact soft_, soft_fixed_;
     SolverBodies rows_;
+    RowRules rules_;
     std::vector<std::uint32_t> slot_of_row_;
     std::vector<std::int32_t> row_of_slot_;
     std::vector<Side> sides_;                  // by slot of shapes

@@ -18,6 +18,11 @@ double play(const Proxy& proxy, const BodyState& state, const Motion& motion) {
     return glm::length(motion.gravity) * motion.dt * motion.dt + proxy.reach * turn;
 }
 
+/// The motion of one body: where bodies have traits, its own pull stands for gravity.
+Motion motion_of(const BodyArrays& bodies, std::size_t slot, const Motion& motion) {
+    return bodies.traits.empty() ? motion : Motion{bodies.acceleration(slot, motion.gravity), motion.dt};
+}
+
 Aabb swept_box(const Proxy& proxy, const Pose& pose, const BodyState& state, const Motion& motion) {
     const Aabb box = bounds(proxy.shape, pose);
     const dvec3 path = state.velocity * motion.dt;
@@ -145,9 +150,10 @@ void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& 
             const Proxy& proxy = set.by_slot[i];
             const bool is_static = bodies.roles[proxy.body] == Role::Static;
             const BodyState& state = bodies.states[proxy.body];
+            const Motion own = motion_of(bodies, proxy.body, motion);
             set.poses[i] = state.pose * proxy.local;
-            set.boxes[i] = round_outward(swept_box(proxy, set.poses[i], state, motion), set.origin);
-            set.motion[i] = is_static ? 0.0 : glm::length(state.velocity) * motion.dt + play(proxy, state, motion);
+            set.boxes[i] = round_outward(swept_box(proxy, set.poses[i], state, own), set.origin);
+            set.motion[i] = is_static ? 0.0 : glm::length(state.velocity) * motion.dt + play(proxy, state, own);
         }
     });
     for (const std::uint32_t p : set.planes) {
