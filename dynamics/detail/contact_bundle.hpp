@@ -52,6 +52,7 @@ struct alignas(64) ContactBundle {
     Wide<std::int32_t> row_a{}, row_b{};  ///< rows of SolverBody; unused lanes point at the row that never moves
     Wide<float> nx{}, ny{}, nz{};         ///< normal from A to B
     Wide<float> friction{};
+    Wide<float> turns_a{}, turns_b{};     ///< 0 where the body is a ball: its contact point does not turn with it; 1 elsewhere
     Wide<float> bias_rate{}, mass_scale{}, impulse_scale{};  ///< soft contact (see soft_contact)
     Wide<float> push_limit{};             ///< overlap is removed at this speed at most [m/s]
     std::array<PointLanes, 4> points{};

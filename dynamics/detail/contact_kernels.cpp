@@ -29,12 +29,12 @@ struct Displacement {
     }
 };
 
-CAROM_PASS_INLINE Displacement read_displacement(const SolverBodies& all, const std::int32_t* rows) {
+CAROM_PASS_INLINE Displacement read_displacement(const SolverBodies& all, const std::int32_t* rows, Floats turns) {
     const float* body = reinterpret_cast<const float*>(all.bodies.data());
     Floats sx, sy, sz, tx, ty, tz, tw, unused;
     gather_rows(body, rows, kBodyStride, 8, sx, sy, sz, unused);
     gather_rows(body, rows, kBodyStride, 12, tx, ty, tz, tw);
-    return {{sx, sy, sz}, {tx, ty, tz}, tw};
+    return {{sx, sy, sz}, {turns * tx, turns * ty, turns * tz}, tw};
 }
 
 void warm_start_bundle(ContactBundle& c, SolverBodies& all, int lane) {
@@ -132,8 +132,8 @@ void solve_bundle(ContactBundle& c, SolverBodies& all, const SolveSettings& sett
     const std::int32_t* rows_b = c.row_b.data() + lane;
     Bodies a = read_bodies(all, rows_a);
     Bodies b = read_bodies(all, rows_b);
-    const Displacement da = read_displacement(all, rows_a);
-    const Displacement db = read_displacement(all, rows_b);
+    const Displacement da = read_displacement(all, rows_a, get(c.turns_a, lane));
+    const Displacement db = read_displacement(all, rows_b, get(c.turns_b, lane));
     const Basis basis = make_basis(c, lane);
     const Floats friction = get(c.friction, lane);
     const SoftLanes soft{get(c.bias_rate, lane), get(c.mass_scale, lane), get(c.impulse_scale, lane),

@@ -91,16 +91,20 @@ CAROM_PASS_INLINE WideManifold read_manifold(ContactBundle& c, int lane, const P
     alignas(64) std::int32_t row[kLanes];
     store(select(unused, Ints{static_cast<std::int32_t>(in.rows.size() - 1)}, number), row);
     const float* const rows = in.rows.data()->normal;
-    Floats nx, ny, nz, push_limit, ox, oy, oz, friction, px, py, pz, spare, row_a, row_b, count, fixed;
+    Floats nx, ny, nz, push_limit, ox, oy, oz, friction, px, py, pz, round, row_a, row_b, count, fixed;
     gather_rows(rows, row, kRowStride, 0, nx, ny, nz, push_limit);
     gather_rows(rows, row, kRowStride, 4, ox, oy, oz, friction);
-    gather_rows(rows, row, kRowStride, 8, px, py, pz, spare);
+    gather_rows(rows, row, kRowStride, 8, px, py, pz, round);
     gather_rows(rows, row, kRowStride, 12, row_a, row_b, count, fixed);
     store(as_ints(row_a), c.row_a.data() + lane);
     store(as_ints(row_b), c.row_b.data() + lane);
     put(c.nx, lane, nx), put(c.ny, lane, ny), put(c.nz, lane, nz);
     put(c.push_limit, lane, push_limit);
     put(c.friction, lane, friction);
+    const Ints balls = as_ints(round);
+    const Floats none = broadcast(0.0f), one = broadcast(1.0f);
+    put(c.turns_a, lane, select((balls != Ints{1}) & (balls != Ints{3}), one, none));
+    put(c.turns_b, lane, select((balls != Ints{2}) & (balls != Ints{3}), one, none));
     const Mask meets_fixed = as_ints(fixed) != Ints{0};
     const Floats zero = broadcast(0.0f);
     const auto soft = [&](float among_moving, float with_fixed, Floats in_unused) {

@@ -122,6 +122,7 @@ void ContactSolver::fill_sides(const ProxySet& proxies, const BodyArrays& bodies
                             .surface = proxy.surface,
                             .compound = compound_of(proxy.shape),
                             .row = row == kNoRow ? static_cast<std::int32_t>(slot_of_row_.size()) : row,
+                            .is_ball = type_of(proxy.shape) == ShapeType::Sphere && proxy.local.position == dvec3{0.0},
                             .is_static = bodies.roles[proxy.body] == Role::Static};
         }
     });
@@ -154,6 +155,7 @@ ManifoldRow ContactSolver::row_of(const Manifold& manifold, const Side& a, const
     const Surface surface_a = surface_of_part(a.surface, a.compound, manifold.part_a);
     const Surface surface_b = surface_of_part(b.surface, b.compound, manifold.part_b);
     row.friction = combine(surface_a.friction, surface_b.friction, surface_a.friction_rule, surface_b.friction_rule, CombineRule::GeometricMean);
+    row.round = (a.is_ball ? 1 : 0) + (b.is_ball ? 2 : 0);
     row.row_a = a.row;
     row.row_b = b.row;
     row.count = static_cast<std::int32_t>(manifold.count);

@@ -63,6 +63,7 @@ private:
         Surface surface;
         const Compound* compound = nullptr;  ///< whose parts may have surfaces of their own
         std::int32_t row = 0;
+        bool is_ball = false;  ///< a sphere about the centre of mass: it looks the same however it turns
         bool is_static = false;
     };
     void assign_rows(const ContactSet& contacts, const BodyArrays& bodies);
