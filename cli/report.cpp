@@ -72,6 +72,26 @@ Json error_json(const RunRecord& record) {
     return out;
 }
 
+Json direct_json(const DirectCounts& direct) {
+    return {{"stiff", direct.stiff},
+            {"solved", direct.solved},
+            {"too_large", direct.too_large},
+            {"moving", direct.moving},
+            {"waiting", direct.waiting},
+            {"fell_back", direct.fell_back},
+            {"iterations", direct.iterations},
+            {"factorisations", direct.factorisations},
+            {"operations", direct.operations}};
+}
+
+std::string direct_text(const DirectCounts& direct) {
+    if (direct.stiff == 0) return "solver        no island was too stiff for soft contacts\n";
+    return fmt::format("solver        islands too stiff for soft contacts, over all steps: {}; of these {} solved directly, {} too large, {} moving, {} waiting, "
+                       "{} fell back\n              {} iterations, {} factorisations of {} block operations\n",
+                       direct.stiff, direct.solved, direct.too_large, direct.moving, direct.waiting, direct.fell_back, direct.iterations,
+                       direct.factorisations, direct.operations);
+}
+
 std::string count(const char* what, std::size_t n) { return n == 0 ? "" : fmt::format("  {} {}", n, what); }
 
 }  // namespace
@@ -90,6 +110,7 @@ Json to_json(const RunRecord& record) {
             {"time_ms", time_json(record)},
             {"error", error_json(record)},
             {"speed", {{"max", or_null(record.max_speed)}, {"mean", or_null(record.mean_speed)}}},
+            {"direct", direct_json(record.direct)},
             {"contacts", record.contacts},
             {"manifolds", record.manifolds},
             {"reused_share", record.reused_share},
@@ -133,6 +154,7 @@ std::string summary(const RunRecord& record) {
     if (record.max_speed) {
         fmt::format_to(out, "speed         max {:.3g} m/s, mean {:.3g} m/s\n", *record.max_speed, *record.mean_speed);
     }
+    fmt::format_to(out, "{}", direct_text(record.direct));
     fmt::format_to(out, "contacts      {} in {} manifolds; {:.0f} % of all pairs were carried along\nstate hash    {}\n", record.contacts,
                    record.manifolds, 100.0 * record.reused_share, to_hex(record.state_hash));
     return fmt::to_string(text);

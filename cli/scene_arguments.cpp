@@ -37,6 +37,12 @@ Choices<BroadphaseMethod> broadphase_choices() {
     return choices;
 }
 
+Choices<ContactMethod> contact_method_choices() {
+    Choices<ContactMethod> choices;
+    for (const ContactMethod method : {ContactMethod::Automatic, ContactMethod::Soft, ContactMethod::Direct}) choices.push_back({to_string(method), method});
+    return choices;
+}
+
 Error with_known_names(Error error, const SceneArguments& arguments) {
     if (error.code == ErrorCode::UnknownName && error.where == "scene") {
         std::string names;
@@ -77,6 +83,10 @@ void SceneArguments::add_to(CLI::App& command) {
     command.add_option("--seed", seed, "seed of the scene's random stream")
         ->check(whole_number(0, std::numeric_limits<std::uint64_t>::max()));
     command.add_option("--contact-reuse", contact_reuse, "share of a shape's smallest extent by which two may move before their contact is found anew, 0..0.1; 0: every step");
+    add_choice(command, "--contact-method", contact_method, contact_method_choices(), "who solves the contacts: soft, direct, or direct where soft ones would sag too far");
+    command.add_option("--direct-sag", direct_sag, "share of the smallest extent by which a point may sag where it is solved directly, 1e-6..0.01");
+    command.add_option("--direct-budget", direct_budget, "products of 6 x 6 blocks that a factorisation of an island may take")
+        ->check(whole_number(0, std::uint64_t{1} << 32));
     add_choice(command, "--broadphase-method", broadphase, broadphase_choices(), "who finds the pairs; results do not depend on it");
     command.add_option("--set", set, "a parameter that the scene declares, KEY=VALUE; may be repeated")
         ->take_all()
@@ -93,6 +103,9 @@ Result<LoadedScene> SceneArguments::load() const {
     if (contact_reuse && !(*contact_reuse >= 0.0 && *contact_reuse <= 0.1)) {
         return Error{ErrorCode::InvalidArgument, fmt::format("must lie in 0..0.1, not {}", *contact_reuse), "--contact-reuse"};
     }
+    if (direct_sag && !(*direct_sag >= 1e-6 && *direct_sag <= 0.01)) {
+        return Error{ErrorCode::InvalidArgument, fmt::format("must lie in 1e-6..0.01, not {}", *direct_sag), "--direct-sag"};
+    }
     Result<std::map<std::string, std::string>> settings = key_values(set);
     if (!settings) return settings.error();
     Result<std::unique_ptr<Executor>> executor = make_executor(threads);
@@ -105,6 +118,9 @@ Result<LoadedScene> SceneArguments::load() const {
     options.set = *settings;
     options.world.executor = executor->get();
     options.world.broadphase = broadphase;
+    options.world.contact_method = contact_method;
+    options.world.direct_sag = direct_sag.value_or(options.world.direct_sag);
+    options.world.direct_budget = direct_budget.value_or(options.world.direct_budget);
     options.world.contact_reuse = contact_reuse.value_or(options.world.contact_reuse);
     Result<scenes::SceneRun> run = is_path(scene) ? scenes::read_scene(scene, options) : scenes::make_scene(scene, options);
     if (!run) return with_known_names(run.error(), *this);

@@ -31,6 +31,9 @@ struct SceneArguments {
     std::optional<double> contact_reuse;
     std::optional<std::uint64_t> seed;
     std::vector<std::string> set;       ///< KEY=VALUE
+    ContactMethod contact_method = ContactMethod::Automatic;
+    std::optional<double> direct_sag;
+    std::optional<std::uint64_t> direct_budget;
     BroadphaseMethod broadphase = BroadphaseMethod::Automatic;
     int threads = 1;
 

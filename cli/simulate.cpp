@@ -13,6 +13,18 @@
 namespace carom::cli {
 namespace {
 
+void add(DirectCounts& sum, const DirectCounts& step) {
+    sum.stiff += step.stiff;
+    sum.solved += step.solved;
+    sum.too_large += step.too_large;
+    sum.moving += step.moving;
+    sum.waiting += step.waiting;
+    sum.fell_back += step.fell_back;
+    sum.iterations += step.iterations;
+    sum.factorisations += step.factorisations;
+    sum.operations += step.operations;
+}
+
 // What is gathered step by step.
 class Observer {
 public:
@@ -40,6 +52,7 @@ public:
         pairs_limited_ += report.pairs_limited ? 1 : 0;
         overflow_ += report.overflow;
         deep_ += report.deep;
+        add(direct_, report.direct);
         contacts_ = report.contacts;
         manifolds_ = report.manifolds;
         look(world, done);
@@ -68,6 +81,7 @@ public:
         record.pairs_limited = pairs_limited_;
         record.overflow = overflow_;
         record.deep = deep_;
+        record.direct = direct_;
         record.contacts = contacts_;
         record.manifolds = manifolds_;
     }
@@ -100,6 +114,7 @@ private:
     std::set<BodyId> escaped_, quarantined_;
     std::size_t undecided_ = 0, pairs_limited_ = 0, overflow_ = 0, deep_ = 0, contacts_ = 0, manifolds_ = 0;
     std::size_t pairs_ = 0, reused_ = 0;
+    DirectCounts direct_;
 };
 
 // Bodies, speeds and hash of the last state.

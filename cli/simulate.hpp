@@ -46,6 +46,7 @@ struct RunRecord {
     std::size_t non_finite = 0, quarantined = 0;
     std::size_t pairs_limited = 0;  ///< steps that left pairs out
     std::size_t undecided = 0, overflow = 0, deep = 0;
+    DirectCounts direct;            ///< islands solved directly, over all steps
     double reused_share = 0.0;  ///< of all pairs of all steps: contacts carried along from the step before
 
     std::optional<double> max_speed, mean_speed;      ///< none without dynamic bodies

@@ -18,12 +18,26 @@ std::string sentence(const char* format, double value) {
     return text;
 }
 
+/// Without gravity there is no load by which to choose how stiff a contact should be.
+bool can_solve_directly(const WorldDef& def) { return def.contact_method != ContactMethod::Soft && def.gravity != dvec3{0.0}; }
+
+std::string reason_for_direct(Stage stage, const WorldDef& def) {
+    if (def.contact_method == ContactMethod::Soft) return "skipped: WorldDef::contact_method is Soft";
+    if (!can_solve_directly(def)) return "skipped: there is no gravity, and so no load that soft contacts could sag under";
+    if (def.contact_method == ContactMethod::Direct) {
+        return stage == Stage::Islands ? "runs: every island is put down for the direct solve" : "runs: WorldDef::contact_method is Direct";
+    }
+    return stage == Stage::Islands ? "runs: says which islands soft contacts would let sink too far, by the law of their sag"
+                                   : "runs where there are such islands: small enough for the budget, and at rest unless they are very small; the others stay soft";
+}
+
 std::string reason_for(Stage stage, const dynamics::StepChoices& choices, const WorldDef& def, bool everything) {
     if (stage == Stage::Restitution && !choices.restitution) return "skipped: no shape bounces (all restitution is 0)";
     if (stage == Stage::Relax && !def.relax) return "skipped: WorldDef::relax is off";
     if (!choices.contacts && stage != Stage::Positions && stage != Stage::Quarantine) {
         return "skipped: no two shapes could meet (one body with shapes, or none that moves)";
     }
+    if (stage == Stage::Islands || stage == Stage::Direct) return reason_for_direct(stage, def);
     if (everything) return "runs: the plan is to run everything";
     switch (stage) {
         case Stage::Positions: return "runs: free bodies move exactly, bodies in contact once a substep";
@@ -36,6 +50,8 @@ std::string reason_for(Stage stage, const dynamics::StepChoices& choices, const 
 
 bool runs(Stage stage, const dynamics::StepChoices& choices, const WorldDef& def) {
     switch (stage) {
+        case Stage::Islands:
+        case Stage::Direct: return choices.contacts && can_solve_directly(def);
         case Stage::Positions:
         case Stage::Quarantine: return true;
         case Stage::Restitution: return choices.contacts && choices.restitution;
@@ -88,6 +104,11 @@ Plan World::plan(double dt) const {
     plan.settings.push_back(def.contact_reuse > 0.0
                                 ? sentence("contacts, but of two boxes, are carried along until two shapes have moved by %.4g of the smallest extent", def.contact_reuse)
                                 : "contacts are found anew in every step");
+    plan.settings.push_back(std::string("islands of bodies in contact are solved by the method ") + to_string(def.contact_method));
+    if (can_solve_directly(def)) {
+        plan.settings.push_back(sentence("solved directly, a contact sags by at most %.4g of the smallest extent", def.direct_sag));
+        plan.settings.push_back(sentence("a direct solve may take %.0f block operations a factorisation", static_cast<double>(def.direct_budget)));
+    }
     plan.settings.push_back(def.relax ? "a relax pass follows each substep" : "no relax pass: pushing overlap out adds energy");
     plan.settings.push_back(sentence("overlap is pushed out by at most %.4g of the smallest extent a step", def.max_push));
     return plan;

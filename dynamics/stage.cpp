@@ -8,6 +8,8 @@ const char* to_string(Stage stage) noexcept {
         case Stage::Pairs: return "Pairs";
         case Stage::Collide: return "Collide";
         case Stage::Restitution: return "Restitution";
+        case Stage::Islands: return "Islands";
+        case Stage::Direct: return "Direct";
         case Stage::Prepare: return "Prepare";
         case Stage::Velocities: return "Velocities";
         case Stage::WarmStart: return "WarmStart";

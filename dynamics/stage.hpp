@@ -10,6 +10,8 @@ enum class Stage : unsigned char {
     Pairs,
     Collide,
     Restitution,
+    Islands,
+    Direct,
     Prepare,
     Velocities,
     WarmStart,
@@ -19,7 +21,7 @@ enum class Stage : unsigned char {
     Store,
     Quarantine,
 };
-inline constexpr int kStageCount = 12;
+inline constexpr int kStageCount = 14;
 
 /// @return the name as written above.
 [[nodiscard]] const char* to_string(Stage stage) noexcept;

@@ -32,6 +32,20 @@ struct Balance {
     Momentum momentum;
 };
 
+/// Islands of bodies in contact that the soft solver would have let sink too far (WorldDef::contact_method), and what became of them:
+/// stiff is the sum of the five that follow.
+struct DirectCounts {
+    std::size_t stiff = 0;
+    std::size_t solved = 0;      ///< directly
+    std::size_t too_large = 0;   ///< for WorldDef::direct_budget
+    std::size_t moving = 0;      ///< too fast for their size, or about to bounce
+    std::size_t waiting = 0;     ///< since a solve fell back not long ago
+    std::size_t fell_back = 0;   ///< did not converge: thrown away, solved softly instead
+    std::size_t iterations = 0;  ///< of all solves: of Newton's method
+    std::size_t factorisations = 0;
+    std::size_t operations = 0;  ///< of 6 x 6 blocks in these: what WorldDef::direct_budget limits for one of them
+};
+
 struct StepReport {
     std::uint64_t step = 0;  ///< steps done so far, this one included; 0: the step was refused or dt = 0
     double dt = 0.0;         ///< [s]
@@ -56,6 +70,7 @@ struct StepReport {
     bool pairs_limited = false;  ///< more boxes overlapped than WorldDef::pair_limit: contacts of the rest were not looked for
     std::size_t undecided = 0;   ///< pairs whose narrowphase stopped at its cap
     std::size_t overflow = 0;    ///< manifolds beyond the last colour, solved one after the other
+    DirectCounts direct;
     std::size_t deep = 0;        ///< points that began the step so deep that their push was limited by WorldDef::max_push
 
     std::optional<Balance> balance;      ///< where WorldDef::report_balance is on, unless the step quarantined a body

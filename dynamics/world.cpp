@@ -88,6 +88,13 @@ Status validate(const WorldDef& def) {
     if (!(def.contact_reuse >= 0.0 && def.contact_reuse <= 0.1)) {
         return fault(is_finite(def.contact_reuse) ? ErrorCode::InvalidArgument : ErrorCode::NotFinite, "contact_reuse must lie in 0 .. 0.1");
     }
+    if (def.contact_method != ContactMethod::Automatic && def.contact_method != ContactMethod::Soft && def.contact_method != ContactMethod::Direct) {
+        return fault(ErrorCode::InvalidArgument, "no such contact method");
+    }
+    if (!(def.direct_sag >= 1e-6 && def.direct_sag <= 0.01)) {
+        return fault(is_finite(def.direct_sag) ? ErrorCode::InvalidArgument : ErrorCode::NotFinite, "direct_sag must lie in 1e-6 .. 0.01");
+    }
+    if (def.direct_budget > std::size_t{1} << 32) return fault(ErrorCode::InvalidArgument, "direct_budget must be in 0..2^32");
     if (!is_finite(def.max_push) || def.max_push < 0.0) return fault(ErrorCode::InvalidArgument, "max_push must not be negative");
     if (!(def.spin_tolerance >= 1e-12 && def.spin_tolerance <= 1.0)) {
         return fault(is_finite(def.spin_tolerance) ? ErrorCode::InvalidArgument : ErrorCode::NotFinite, "spin_tolerance must lie in 1e-12 .. 1");

@@ -14,6 +14,7 @@
 #include <carom/core/ids.hpp>
 #include <carom/core/pose.hpp>
 #include <carom/dynamics/body.hpp>
+#include <carom/dynamics/contact_method.hpp>
 #include <carom/dynamics/plan.hpp>
 #include <carom/dynamics/step_report.hpp>
 #include <carom/narrowphase/manifold.hpp>
@@ -42,6 +43,10 @@ struct WorldDef {
                                       ///< each other before their contact is found anew; 0: in every step
     double spin_tolerance = 1e-6;     ///< relative error allowed of the rotational energy of free bodies, within 1e-12 .. 1; it does not grow
                                       ///< with time. Bodies of three unlike moments are sub-cycled to it (free_rotation.hpp)
+    ContactMethod contact_method = ContactMethod::Automatic;
+    double direct_sag = 1e-4;         ///< share of the smallest extent, in [1e-6, 0.01], that a point which carries its whole island sags by where it
+                                      ///< is solved directly; slender columns get less
+    std::size_t direct_budget = 20'000;  ///< products of 6 x 6 blocks, 0..2^32, that a factorisation of an island may take, at some 30 ns each
     bool relax = true;                ///< the pass that takes out the energy of the push
     bool report_balance = false;      ///< fill StepReport::balance
 };

@@ -39,7 +39,8 @@ void World::Impl::integrate_free_bodies(bool looked, double dt) {
     executor().parallel_for(arrays.roles.size(), kBodyGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t slot = begin; slot < end; ++slot) {
             const Role role = arrays.roles[slot];
-            const bool held = looked && solver.holds(static_cast<std::uint32_t>(slot));
+            const auto number = static_cast<std::uint32_t>(slot);
+            const bool held = looked && (solver.holds(number) || direct.holds(number));
             if (role != Role::Kinematic && (role != Role::Dynamic || held)) continue;
             dynamics::integrate_free(arrays.states[slot], arrays.masses[slot], free_motion(slot), dt);
         }
@@ -88,6 +89,7 @@ StepReport World::step(double dt) {
     if (!choices.contacts) {  // otherwise each part is replaced below
         w.contacts.clear();
         w.names.now.clear();
+        w.direct.clear();
     }
 
     bool reuses = false;  // contacts of the step before
@@ -125,7 +127,13 @@ StepReport World::step(double dt) {
             step.report.impacts = w.impacts.count();
             step.report.impacts_left = w.impacts.left();
         }
-        step.run(Stage::Prepare, [&] { w.solver.prepare(w.contacts, w.proxies, w.arrays, w.solver_settings(dt), executor); });
+        const dynamics::DirectStep direct_step = w.direct_step(dt);
+        const dynamics::DirectWorld islands{w.contacts, w.proxies, w.arrays};
+        bool stiff = false;
+        step.run(Stage::Islands, [&] { stiff = w.direct.choose(islands, direct_step, {w.def.contact_method, w.def.direct_budget}); });
+        if (stiff) step.run(Stage::Direct, [&] { w.direct.solve(islands, direct_step, executor); });
+        step.report.direct = w.direct.counts();
+        step.run(Stage::Prepare, [&] { w.solver.prepare(w.contacts, w.direct.held(), w.proxies, w.arrays, w.solver_settings(dt), executor); });
         for (int k = 0; k < w.def.substeps; ++k) {
             const auto from = k == 0 ? dynamics::WarmStart::First : dynamics::WarmStart::Again;
             step.run(Stage::Velocities, [&] { w.solver.integrate_velocities(from, executor); });

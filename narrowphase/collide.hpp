@@ -63,10 +63,10 @@ enum class CollideStatus : unsigned char {
 /// of what they lie on, sides a line of two; where a side or rim touches smoothly, the normal is found to about 5e-6. Two meshes push to their fronts, and
 /// have a manifold for each patch; where they are apart by more than 1/64 of the smaller one, only what is about as near as the nearest
 /// points is reported (docs/narrowphase.md).
-/// Accuracy: 1e-6 of the larger shape's size (2e-6 for the depth of two boxes), of a mesh the convex shape's, and of a box much larger
-/// than the other the other's. Computed in
-/// double in the frame of one of the two, two boxes in float in the frame of A (sixteen pairs at a time), so the distance from the
-/// world's origin does not matter; positions are rounded to float about A, so let A be the smaller.
+/// Accuracy: 1e-6 of the larger shape's size (2e-6 for the depth of two boxes; 1e-5 of hulls with faces that ConvexHull::build merged, whose
+/// planes lie that much outside), of a mesh the convex shape's, and of a box much larger than the other the other's. Computed in double in
+/// the frame of one of the two, two boxes in float in the frame of A (sixteen pairs at a time), so the distance from the world's origin
+/// does not matter; positions are rounded to float about A, so let A be the smaller.
 /// Misuse (null shape, non-finite pose, negative or non-finite margin, a pair without a kernel) is reported and appends nothing.
 /// Cost: O(1) for round shapes, cylinders, cones, boxes and planes; hulls O(F V + E E); meshes O(log m + triangles near); compounds
 /// the sum over the parts near each other. Allocates only while buffers of the calling thread grow. Thread-safe.

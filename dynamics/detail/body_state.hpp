@@ -30,6 +30,8 @@ struct BodyTraits {
     double linear_damping = 0.0, angular_damping = 0.0;  ///< [1/s]
     dvec3 force{0.0};   ///< at the centre of mass [N]
     dvec3 torque{0.0};  ///< [N m]
+
+    friend bool operator==(const BodyTraits&, const BodyTraits&) = default;
 };
 
 inline constexpr unsigned char kLockedTurns = LockedAxes::TurnX | LockedAxes::TurnY | LockedAxes::TurnZ;

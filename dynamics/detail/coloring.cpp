@@ -6,7 +6,7 @@
 namespace carom::dynamics {
 namespace {
 
-constexpr std::uint8_t kNoColor = kMaxColors;
+constexpr std::uint8_t kNoColor = kMaxColors, kLeftOut = kMaxColors + 1;
 
 /// Takes the first colour in [from, end) that the mask does not hold.
 std::uint8_t take_color(std::uint32_t taken, unsigned from, unsigned end) {
@@ -33,20 +33,24 @@ void Coloring::color(std::span<const ContactRows> rows, std::int32_t movable) {
     }
     for (std::size_t i = 0; i < rows.size(); ++i) {
         if (rows[i].a < movable && rows[i].b < movable) continue;
-        const std::int32_t moves = rows[i].a < movable ? rows[i].a : rows[i].b;
-        std::uint32_t none = 0;  // of two that the solver does not move: any colour will do
-        std::uint32_t& row = moves < movable ? used_[static_cast<std::size_t>(moves)] : none;
+        if (rows[i].a >= movable && rows[i].b >= movable) {
+            colors_[i] = kLeftOut;
+            continue;
+        }
+        std::uint32_t& row = used_[static_cast<std::size_t>(rows[i].a < movable ? rows[i].a : rows[i].b)];
         colors_[i] = take_color(row, shared_colors, kMaxColors);
         row |= bit_of(colors_[i]);
     }
 
-    std::array<std::uint32_t, kMaxColors + 2> counts{};
+    std::array<std::uint32_t, kMaxColors + 3> counts{};
     for (const std::uint8_t color : colors_) ++counts[color + 1u];
     starts_.assign(1, 0);
     for (std::uint32_t c = 0; c < kMaxColors && counts[c + 1] != 0; ++c) starts_.push_back(starts_.back() + counts[c + 1]);
     for (std::size_t c = 1; c < counts.size(); ++c) counts[c] += counts[c - 1];
-    order_.resize(rows.size());
-    for (std::uint32_t i = 0; i < rows.size(); ++i) order_[counts[colors_[i]]++] = i;
+    order_.resize(counts[kLeftOut]);
+    for (std::uint32_t i = 0; i < rows.size(); ++i) {
+        if (colors_[i] != kLeftOut) order_[counts[colors_[i]]++] = i;
+    }
 }
 
 }  // namespace carom::dynamics

@@ -21,7 +21,7 @@ inline constexpr std::uint32_t kMaxSharedColors = 24;
 /// one movable row: solved last, they have the last word against what cannot give way.
 class Coloring {
 public:
-    /// @param rows     (n,) at least one of each pair below `movable`.
+    /// @param rows     (n,); those without a movable row are left out.
     void color(std::span<const ContactRows> rows, std::int32_t movable);
 
     /// Contacts sorted by colour, in their order within each; those that fit no colour come last.

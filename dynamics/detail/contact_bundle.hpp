@@ -46,6 +46,7 @@ struct alignas(64) PointLanes {
     Wide<float> tangent_mass{};          ///< 1 / largest eigenvalue of the tangent plane's inverse mass
     Wide<float> normal_impulse{};        ///< accumulated over a substep [N s]
     Wide<float> tangent_impulse_1{}, tangent_impulse_2{};
+    Wide<float> gap{};                   ///< separation where the bodies are, as the last pass found it [m]
 };
 
 struct alignas(64) ContactBundle {

@@ -37,6 +37,11 @@ CAROM_PASS_INLINE Displacement read_displacement(const SolverBodies& all, const 
     return {{sx, sy, sz}, {turns * tx, turns * ty, turns * tz}, tw};
 }
 
+HWY_INLINE Displacement no_displacement() {
+    const Floats zero = broadcast(0.0f);
+    return {{zero, zero, zero}, {zero, zero, zero}, zero};
+}
+
 void warm_start_bundle(ContactBundle& c, SolverBodies& all, int lane) {
     Bodies a = read_bodies(all, c.row_a.data() + lane);
     Bodies b = read_bodies(all, c.row_b.data() + lane);
@@ -70,9 +75,12 @@ CAROM_PASS_INLINE void solve_friction(PointLanes& p, int lane, Floats friction, 
     const Floats length_sq = speed1 * speed1 + speed2 * speed2;
     const Floats one = broadcast(1.0f);
     const Mask slips = length_sq > limit * limit;
-    const Floats scale = select(slips, limit / sqrt(select(slips, length_sq, one)), one);
-    const Floats clamped1 = scale * new1;
-    const Floats clamped2 = scale * new2;
+    Floats clamped1 = new1, clamped2 = new2;
+    if (any(slips)) {  // seldom at rest: the root and the quotient take as long as all the rest, and what follows waits for them
+        const Floats scale = select(slips, limit / sqrt(select(slips, length_sq, one)), one);
+        clamped1 = scale * new1;
+        clamped2 = scale * new2;
+    }
     put(p.tangent_impulse_1, lane, clamped1);
     put(p.tangent_impulse_2, lane, clamped2);
     const Floats3 impulse = (clamped1 - old1) * basis.t1 + (clamped2 - old2) * basis.t2;
@@ -92,7 +100,8 @@ struct SoftLanes {
 
 template <bool kBias>
 CAROM_PASS_INLINE void solve_normal(PointLanes& p, int lane, const SoftLanes& soft, const SolveSettings& settings,
-                  const Basis& basis, Floats separation, Bodies& a, Bodies& b) {
+                  const Basis& basis, Bodies& a, Bodies& b) {
+    const Floats separation = get(p.gap, lane);
     const Floats zero = broadcast(0.0f);
     const Floats one = broadcast(1.0f);
     const Mask apart = separation > zero;
@@ -115,9 +124,11 @@ CAROM_PASS_INLINE void solve_normal(PointLanes& p, int lane, const SoftLanes& so
         // What leaks away bounds a push at its limit. Where others jam the pair, it has to grow until they give way, if slowly; and not for
         // ever, for they may be unable to.
         const Mask at_limit = soft.bias_rate * separation < -soft.push_limit;
-        const Floats push = mass * soft.push_limit;
-        const Floats growing = min(mass * (broadcast(kJamShare) * soft.push_limit - vn), max(broadcast(kJamMost) * push - old, zero));
-        change = select(at_limit, max(change, growing), change);
+        if (any(at_limit)) {
+            const Floats push = mass * soft.push_limit;
+            const Floats growing = min(mass * (broadcast(kJamShare) * soft.push_limit - vn), max(broadcast(kJamMost) * push - old, zero));
+            change = select(at_limit, max(change, growing), change);
+        }
     }
     const Floats accumulated = max(old + change, zero);
     put(p.normal_impulse, lane, accumulated);
@@ -126,14 +137,15 @@ CAROM_PASS_INLINE void solve_normal(PointLanes& p, int lane, const SoftLanes& so
     b.push(impulse, rb);
 }
 
-template <bool kBias>
+/// @tparam kGapsKnown  see SolveSettings.
+template <bool kBias, bool kGapsKnown>
 void solve_bundle(ContactBundle& c, SolverBodies& all, const SolveSettings& settings, int lane) {
     const std::int32_t* rows_a = c.row_a.data() + lane;
     const std::int32_t* rows_b = c.row_b.data() + lane;
     Bodies a = read_bodies(all, rows_a);
     Bodies b = read_bodies(all, rows_b);
-    const Displacement da = read_displacement(all, rows_a, get(c.turns_a, lane));
-    const Displacement db = read_displacement(all, rows_b, get(c.turns_b, lane));
+    const Displacement da = kGapsKnown ? no_displacement() : read_displacement(all, rows_a, get(c.turns_a, lane));
+    const Displacement db = kGapsKnown ? no_displacement() : read_displacement(all, rows_b, get(c.turns_b, lane));
     const Basis basis = make_basis(c, lane);
     const Floats friction = get(c.friction, lane);
     const SoftLanes soft{get(c.bias_rate, lane), get(c.mass_scale, lane), get(c.impulse_scale, lane),
@@ -146,9 +158,8 @@ void solve_bundle(ContactBundle& c, SolverBodies& all, const SolveSettings& sett
     }
     for (int k = 0; k < c.point_count; ++k) {
         PointLanes& p = c.points[static_cast<std::size_t>(k)];
-        const Floats3 gap = db.at(lever_b(p, lane)) - da.at(lever_a(p, lane));
-        const Floats separation = dot(gap, basis.n) + get(p.separation, lane);
-        solve_normal<kBias>(p, lane, soft, settings, basis, separation, a, b);
+        if constexpr (!kGapsKnown) put(p.gap, lane, dot(db.at(lever_b(p, lane)) - da.at(lever_a(p, lane)), basis.n) + get(p.separation, lane));
+        solve_normal<kBias>(p, lane, soft, settings, basis, a, b);
     }
     write_bodies(all, rows_a, a);
     write_bodies(all, rows_b, b);
@@ -163,7 +174,11 @@ void WarmStart(std::span<ContactBundle> bundles, SolverBodies& bodies) {
 void Solve(std::span<ContactBundle> bundles, SolverBodies& bodies, const SolveSettings& settings) {
     for (ContactBundle& c : bundles) {
         for (int lane = 0; lane < kBundleWidth; lane += kLanes) {
-            settings.bias ? solve_bundle<true>(c, bodies, settings, lane) : solve_bundle<false>(c, bodies, settings, lane);
+            if (settings.bias) {
+                settings.gaps_known ? solve_bundle<true, true>(c, bodies, settings, lane) : solve_bundle<true, false>(c, bodies, settings, lane);
+            } else {
+                settings.gaps_known ? solve_bundle<false, true>(c, bodies, settings, lane) : solve_bundle<false, false>(c, bodies, settings, lane);
+            }
         }
     }
 }

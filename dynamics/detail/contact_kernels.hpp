@@ -20,6 +20,7 @@ struct SoftContact {
 struct SolveSettings {
     float inverse_h = 0.0f;  ///< 1 / substep [1/s]
     bool bias = true;        ///< false: the relax pass, rigid and without push
+    bool gaps_known = false; ///< no body has moved since the last pass, which leaves the gap of each point behind
 };
 
 /// Applies the accumulated impulses to the bodies' velocities.

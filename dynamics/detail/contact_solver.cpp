@@ -42,15 +42,16 @@ dvec3 rounded(const dvec3& v) { return dvec3{vec3{v}}; }
 
 }  // namespace
 
-void ContactSolver::prepare(const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies,
+void ContactSolver::prepare(const ContactSet& contacts, std::span<const unsigned char> held, const ProxySet& proxies, const BodyArrays& bodies,
                             const SolverSettings& settings, Executor& executor) {
     settings_ = settings;
+    gaps_known_ = false;
     const double h = settings.substep();
     const double frequency = settings.contact_rate / h;
     soft_ = soft_contact(frequency, settings.damping, h);
     soft_fixed_ = soft_contact(2.0 * frequency, settings.damping, h);
 
-    assign_rows(contacts, bodies);
+    assign_rows(contacts, held, bodies);
     fill_rows(bodies, executor);
     rules_.list(bodies, slot_of_row_, rows_.movable, h);
     fill_sides(proxies, bodies, executor);
@@ -66,7 +67,7 @@ void ContactSolver::prepare(const ContactSet& contacts, const ProxySet& proxies,
     for (const ContactBundle& bundle : bundles_) deep_count_ += static_cast<std::size_t>(bundle.deep);
 }
 
-void ContactSolver::assign_rows(const ContactSet& contacts, const BodyArrays& bodies) {
+void ContactSolver::assign_rows(const ContactSet& contacts, std::span<const unsigned char> held, const BodyArrays& bodies) {
     constexpr std::int32_t kTouched = -2;
     row_of_slot_.assign(bodies.roles.size(), kNoRow);
     for (const ContactPair& pair : contacts.pairs) {
@@ -74,6 +75,9 @@ void ContactSolver::assign_rows(const ContactSet& contacts, const BodyArrays& bo
         for (const std::uint32_t slot : {pair.body_a.slot, pair.body_b.slot}) {
             if (bodies.roles[slot] != Role::Static) row_of_slot_[slot] = kTouched;
         }
+    }
+    for (std::size_t slot = 0; slot < held.size(); ++slot) {
+        if (held[slot] != 0) row_of_slot_[slot] = kNoRow;
     }
     slot_of_row_.clear();
     for (const Role role : {Role::Dynamic, Role::Kinematic}) {
@@ -229,13 +233,14 @@ void ContactSolver::warm_start(Executor& executor) {
 }
 
 void ContactSolver::solve(bool bias, Executor& executor) {
-    const SolveSettings settings{.inverse_h = static_cast<float>(1.0 / settings_.substep()),
-                                 .bias = bias};
+    const SolveSettings settings{.inverse_h = static_cast<float>(1.0 / settings_.substep()), .bias = bias, .gaps_known = gaps_known_};
     for_each_color(executor, [&](std::span<ContactBundle> bundles) { dynamics::solve(bundles, rows_, settings); });
     rules_.lock(rows_);
+    gaps_known_ = true;
 }
 
 void ContactSolver::integrate_positions(Executor& executor) {
+    gaps_known_ = false;
     const auto h = static_cast<float>(settings_.substep());
     executor.parallel_for(slot_of_row_.size(), kBodyGrain, [&](std::size_t begin, std::size_t end) {
         advance(rows_, begin, end, h);

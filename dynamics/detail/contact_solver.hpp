@@ -36,7 +36,8 @@ struct SolverSettings {
 class ContactSolver {
 public:
     /// Takes in the contacts and the bodies they touch, colours the manifolds and fills the bundles.
-    void prepare(const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies,
+    /// @param held  by slot: 1 for bodies that others have moved in this step, whose contacts are left out; empty where there are none.
+    void prepare(const ContactSet& contacts, std::span<const unsigned char> held, const ProxySet& proxies, const BodyArrays& bodies,
                  const SolverSettings& settings, Executor& executor);
 
     void integrate_velocities(WarmStart warm_start, Executor& executor);
@@ -66,7 +67,7 @@ private:
         bool is_ball = false;  ///< a sphere about the centre of mass: it looks the same however it turns
         bool is_static = false;
     };
-    void assign_rows(const ContactSet& contacts, const BodyArrays& bodies);
+    void assign_rows(const ContactSet& contacts, std::span<const unsigned char> held, const BodyArrays& bodies);
     void fill_rows(const BodyArrays& bodies, Executor& executor);
     void fill_sides(const ProxySet& proxies, const BodyArrays& bodies, Executor& executor);
     void fill_manifold_rows(const ContactSet& contacts, Executor& executor);
@@ -78,6 +79,7 @@ private:
     void for_each_color(Executor& executor, const Pass& pass);
 
     SolverSettings settings_;
+    bool gaps_known_ = false;  ///< of the points in the bundles: no body has moved since
     SoftContact soft_, soft_fixed_;
     SolverBodies rows_;
     RowRules rules_;

@@ -1,8 +1,11 @@
 #include <carom/dynamics/detail/proxies.hpp>
 
 #include <carom/collision/aabb.hpp>
+#include <carom/core/bundle.hpp>
+#include <carom/dynamics/detail/swept_boxes.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <utility>
 
@@ -12,10 +15,13 @@ namespace {
 constexpr std::size_t kGrain = 256;
 constexpr double kMarginShare = 0.25;  // of the smallest extent
 
+/// What gravity may do in the step [m].
+double pull_of(const Motion& motion) { return glm::length(motion.gravity) * motion.dt * motion.dt; }
+
 /// Motion of any point of the shape beyond the straight path of the centre of mass.
 double play(const Proxy& proxy, const BodyState& state, const Motion& motion) {
     const double turn = std::min(glm::length(state.spin) * motion.dt, 2.0);
-    return glm::length(motion.gravity) * motion.dt * motion.dt + proxy.reach * turn;
+    return pull_of(motion) + proxy.reach * turn;
 }
 
 /// The motion of one body: where bodies have traits, its own pull stands for gravity.
@@ -23,11 +29,15 @@ Motion motion_of(const BodyArrays& bodies, std::size_t slot, const Motion& motio
     return bodies.traits.empty() ? motion : Motion{bodies.acceleration(slot, motion.gravity), motion.dt};
 }
 
-Aabb swept_box(const Proxy& proxy, const Pose& pose, const BodyState& state, const Motion& motion) {
-    const Aabb box = bounds(proxy.shape, pose);
+void sweep_one(ProxySet& set, std::uint32_t i, const BodyState& state, bool is_static, const Motion& motion) {
+    const Proxy& proxy = set.by_slot[i];
+    set.poses[i] = state.pose * proxy.local;
+    const Aabb box = bounds(proxy.shape, set.poses[i]);
     const dvec3 path = state.velocity * motion.dt;
+    const double slack = play(proxy, state, motion);
     const Aabb moved{box.lower + glm::min(path, dvec3{0.0}), box.upper + glm::max(path, dvec3{0.0})};
-    return inflate(moved, play(proxy, state, motion));
+    set.boxes[i] = round_outward(inflate(moved, slack), set.origin);
+    set.motion[i] = is_static ? 0.0 : glm::length(state.velocity) * motion.dt + slack;
 }
 
 std::uint64_t pack(std::uint32_t high, std::uint32_t low) { return (std::uint64_t{high} << 32) | low; }
@@ -145,16 +155,22 @@ void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& 
     set.changed = false;
     list_changes(set, bodies);
     executor.parallel_for(set.moved.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        std::array<SweptBox, kBundleWidth> boxes;
+        std::size_t count = 0;
         for (std::size_t k = begin; k < end; ++k) {
             const std::uint32_t i = set.moved[k];
             const Proxy& proxy = set.by_slot[i];
-            const bool is_static = bodies.roles[proxy.body] == Role::Static;
             const BodyState& state = bodies.states[proxy.body];
-            const Motion own = motion_of(bodies, proxy.body, motion);
-            set.poses[i] = state.pose * proxy.local;
-            set.boxes[i] = round_outward(swept_box(proxy, set.poses[i], state, own), set.origin);
-            set.motion[i] = is_static ? 0.0 : glm::length(state.velocity) * motion.dt + play(proxy, state, own);
+            const bool is_static = bodies.roles[proxy.body] == Role::Static;
+            const Box* const box = std::get_if<Box>(&proxy.shape);
+            if (box == nullptr || is_static) {
+                sweep_one(set, i, state, is_static, motion_of(bodies, proxy.body, motion));
+                continue;
+            }
+            boxes[count++] = {&state, &proxy.local, box->half_extents, proxy.reach, pull_of(motion_of(bodies, proxy.body, motion)), &set.poses[i], &set.boxes[i], &set.motion[i]};
+            if (count == boxes.size()) sweep_boxes({boxes.data(), std::exchange(count, 0u)}, motion.dt, set.origin);
         }
+        sweep_boxes({boxes.data(), count}, motion.dt, set.origin);
     });
     for (const std::uint32_t p : set.planes) {
         set.poses[p] = bodies.states[set.by_slot[p].body].pose * set.by_slot[p].local;

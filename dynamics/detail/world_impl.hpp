@@ -7,6 +7,7 @@
 #include <carom/dynamics/detail/contact_solver.hpp>
 #include <carom/dynamics/detail/impacts.hpp>
 #include <carom/dynamics/detail/integrator.hpp>
+#include <carom/dynamics/detail/direct_islands.hpp>
 #include <carom/dynamics/detail/part_surface.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
 #include <carom/dynamics/world.hpp>
@@ -88,6 +89,9 @@ struct World::Impl {
     [[nodiscard]] dynamics::SolverSettings solver_settings(double dt) const noexcept {
         return {def.gravity, dt, def.substeps, def.contact_rate, def.contact_damping, def.max_push};
     }
+    [[nodiscard]] dynamics::DirectStep direct_step(double dt) const noexcept {
+        return {def.gravity, dt, def.substeps, def.contact_rate, def.max_push, def.direct_sag};
+    }
     /// How much of the impulses of the step before this one starts from.
     [[nodiscard]] float impulse_scale(double dt) const noexcept {
         return last_substep > 0.0 ? static_cast<float>(dt / def.substeps / last_substep) : 1.0f;
@@ -141,6 +145,7 @@ struct World::Impl {
     CollideScratch collide_scratch;
     dynamics::ContactSet contacts, previous;
     dynamics::Impacts impacts;
+    dynamics::DirectIslands direct;
     dynamics::ContactSolver solver;
     std::vector<dynamics::ValidPose> last_valid;  // by slot
     double last_substep = 0.0;  // [s]; impulses are carried in proportion

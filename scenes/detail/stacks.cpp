@@ -1,19 +1,21 @@
 // Boxes on boxes: a pyramid, a column, and a heavy box on a light one.
 #include <carom/scenes/detail/recipe.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 
 namespace carom::scenes::detail {
 namespace {
 
-constexpr double kGround = 50.0;  // half width of the ground [m]
+constexpr double kGround = 50.0;  // half width of the ground [m], at least
+constexpr double kPyramidSpacing = 1.02;
 
-SceneRun run_on_ground(const Request& request, const char* name, int steps, double top) {
+SceneRun run_on_ground(const Request& request, const char* name, int steps, double top, double ground = kGround) {
     SceneRun run{.name = name, .seed = request.seed, .world = World(request.world_def())};
     run.steps = steps;
-    run.domain = {{-kGround, -0.5, -kGround}, {kGround, top + 10.0, kGround}};
-    add_static_box(run.world, {0.0, -0.5, 0.0}, {kGround, 0.5, kGround}, "ground");
+    run.domain = {{-ground, -0.5, -ground}, {ground, top + 10.0, ground}};
+    add_static_box(run.world, {0.0, -0.5, 0.0}, {ground, 0.5, ground}, "ground");
     return run;
 }
 
@@ -53,10 +55,10 @@ Result<int> pyramid_base(const Request& request) {
 Result<SceneRun> build_pyramid(const Request& request) {
     const Result<int> base = pyramid_base(request);
     if (!base) return base.error();
-    SceneRun run = run_on_ground(request, "pyramid", 300, *base);
+    SceneRun run = run_on_ground(request, "pyramid", 300, *base, std::max(kGround, 0.5 * kPyramidSpacing * *base + 5.0));
     for (int row = 0; row < *base; ++row) {
         const int count = *base - row;
-        for (int i = 0; i < count; ++i) add_unit_box(run.world, {(i - (count - 1) / 2.0) * 1.02, 0.5 + row, 0.0});
+        for (int i = 0; i < count; ++i) add_unit_box(run.world, {(i - (count - 1) / 2.0) * kPyramidSpacing, 0.5 + row, 0.0});
     }
     return run;
 }

@@ -53,6 +53,11 @@ TEST(Cli, NumbersOutOfRangeAreNamed) {
     expect_refused({"run", scene, "--substeps", "1025"}, {"--substeps", "1025"});
     expect_refused({"run", scene, "--contact-reuse", "0.2"}, {"--contact-reuse", "0.2"});
     expect_refused({"run", scene, "--contact-reuse", "nan"}, {"--contact-reuse", "nan"});
+    expect_refused({"run", scene, "--contact-method", "rigid"}, {"--contact-method", "rigid", "automatic, soft, direct"});
+    expect_refused({"run", scene, "--direct-sag", "0.02"}, {"--direct-sag", "0.02"});
+    expect_refused({"run", scene, "--direct-sag", "nan"}, {"--direct-sag", "nan"});
+    expect_refused({"run", scene, "--direct-budget", "-1"}, {"--direct-budget", "-1"});
+    expect_refused({"run", scene, "--direct-budget", "4294967297"}, {"--direct-budget", "4294967297"});
     expect_refused({"run", scene, "--threads", "0"}, {"--threads"});
     expect_refused({"run", scene, "--seed", "-1"}, {"--seed", "-1"});
     expect_refused({"run", scene, "--seed", "18446744073709551616"}, {"--seed"});
@@ -142,7 +147,7 @@ TEST(Cli, PlanHasALineForEachStage) {
     const Outcome outcome = carom({"plan", "tall_stack", "--substeps", "7"});
     EXPECT_EQ(outcome.code, kOk);
     EXPECT_NE(outcome.out.find("7 substeps"), std::string::npos);
-    for (const char* stage : {"Bounds", "Pairs", "Collide", "Prepare", "Velocities", "WarmStart", "Solve", "Positions", "Relax",
+    for (const char* stage : {"Bounds", "Pairs", "Collide", "Islands", "Direct", "Prepare", "Velocities", "WarmStart", "Solve", "Positions", "Relax",
                               "Restitution", "Store", "Quarantine"}) {
         EXPECT_NE(outcome.out.find(std::string("\n") + stage), std::string::npos) << stage;
     }

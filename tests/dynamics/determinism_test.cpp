@@ -68,6 +68,10 @@ World make_pile(const WorldDef& def) {
             default: world.add_shape(body, Capsule{0.25f, size}, material); break;
         }
     }
+    for (const double x : {8.0, 10.0, 12.0}) {  // islands for the direct solve
+        world.add_shape(world.create_body({.position = {x, 0.5, 0}}), Box{vec3{0.5f}}, {.density = 1.0});
+        world.add_shape(world.create_body({.position = {x + 0.1, 1.5, 0}}), Box{vec3{0.5f}}, {.density = 300.0 * x});
+    }
     return world;
 }
 

@@ -1,0 +1,195 @@
+#include <carom/dynamics/detail/direct_islands.hpp>
+
+#include <algorithm>
+
+namespace carom::dynamics {
+namespace {
+
+/// A soft contact may sag by this share of the smallest extent before its island counts as stiff.
+constexpr double kSagShare = 1e-3;
+/// With more manifolds than that, and none solved directly, every sixteenth step is looked at: stiff piles do not come up in less.
+constexpr std::size_t kManyManifolds = 512;
+constexpr std::uint64_t kLookEvery = 16;
+/// Islands have to come to rest first: no body may move by more than this share of the smallest extent in a step. Small ones that soft contacts
+/// would squash are tried as they are.
+constexpr double kCalmShare = 0.02;
+constexpr std::uint32_t kFewBodies = 8;
+constexpr double kSquashed = 10.0;  // times the sag that is stiff
+/// After a solve that did not converge an island is left alone for 1, 2, 4, ... steps; after one that was too dear for as many more.
+constexpr std::uint64_t kLongestWait = 16, kLongestRefusal = 1024;
+/// A graph of so many bodies and links cannot be factorised in the budget: one operation for each at the least, and these piles have fill.
+constexpr std::size_t kLeastOperations = 8;
+/// All factorisations of a solve together may take this many times what one may, but four are always free.
+constexpr std::size_t kMostFactorisations = 20;
+/// An island that was not stiff for so long is forgotten.
+constexpr std::uint64_t kForgetAfter = 256;
+
+/// The force that the stiffness of a contact was chosen for is at first that much above what it bears; it may fall to the share.
+constexpr double kLoadRoom = 1.5, kLeastLoadShare = 0.125;
+/// No contact is softer than for this share of the island's largest load.
+constexpr double kLeastOfIsland = 1.0 / 1024.0;
+
+/// What a contact may come to bear soon: the weight of the lighter body.
+double least_load(const ContactPair& pair, const BodyArrays& bodies, const dvec3& gravity, double most) {
+    const double inverse = std::max(bodies.masses[pair.body_a.slot].inverse_mass, bodies.masses[pair.body_b.slot].inverse_mass);
+    return std::max(glm::length(gravity) / inverse, kLeastOfIsland * most);
+}
+
+/// Whether gravity alone moves the bodies: what bounces, is damped, pushed or locked is the soft solver's.
+bool is_plain(const DirectWorld& world, std::span<const std::uint32_t> bodies, std::span<const std::uint32_t> manifolds) {
+    for (const std::uint32_t m : manifolds) {
+        if (world.contacts.pairs[world.contacts.manifolds[m].pair].flies) return false;
+    }
+    if (world.bodies.traits.empty()) return true;
+    return std::ranges::all_of(bodies, [&](std::uint32_t slot) {
+        return world.bodies.masses[slot].locked == LockedAxes::None && world.bodies.traits[slot] == BodyTraits{};
+    });
+}
+
+SagLaw law_of(const DirectStep& step) { return {step.gravity, step.dt, step.substep(), step.contact_rate, kSagShare}; }
+
+}  // namespace
+
+void DirectIslands::clear() noexcept {
+    std::ranges::fill(held_, static_cast<unsigned char>(0));
+    any_held_ = false;
+    counts_ = {};
+}
+
+bool DirectIslands::choose(const DirectWorld& world, const DirectStep& step, const DirectChoice& choice) {
+    const bool many = world.contacts.manifolds.size() > kManyManifolds && !any_held_ && counts_.waiting + counts_.fell_back == 0;
+    std::swap(held_, held_before_);
+    held_.assign(world.bodies.roles.size(), 0);
+    held_before_.resize(world.bodies.roles.size(), 0);
+    any_held_ = false;
+    counts_ = {};
+    tasks_.clear();
+    const std::uint64_t number = step_++;
+    if (choice.method == ContactMethod::Soft || glm::length(step.gravity) == 0.0) return false;
+    const bool all = choice.method == ContactMethod::Direct;
+    if (!all && many && number % kLookEvery != 0) return false;
+    if (!stiff_.look(world.contacts, world.proxies, world.bodies, law_of(step), held_before_) && !all) return false;
+    if (all) all_.assign(world.contacts.manifolds.size(), 1);
+    links_.link(world.contacts, world.bodies.roles);
+    links_.gather(world.contacts, world.bodies.roles, all ? all_ : stiff_.marks());
+    local_of_slot_.assign(world.bodies.roles.size(), kNoBody);
+    std::erase_if(memories_, [&](const std::unique_ptr<Memory>& m) { return m->last_step + kForgetAfter < step_; });
+    for (const Island& island : links_.islands()) consider(island, world, step, choice);
+    return !tasks_.empty();
+}
+
+DirectIslands::Memory& DirectIslands::memory_of(std::uint32_t root) {
+    auto found = std::ranges::lower_bound(memories_, root, {}, [](const std::unique_ptr<Memory>& m) { return m->root; });
+    if (found == memories_.end() || (*found)->root != root) {
+        found = memories_.insert(found, std::make_unique<Memory>());
+        (*found)->root = root;
+    }
+    (*found)->last_step = step_;
+    return **found;
+}
+
+void DirectIslands::leave_alone(Memory& memory, std::uint64_t most) const noexcept {
+    memory.wait = std::min(std::max<std::uint64_t>(2 * memory.wait, 1), most);
+    memory.wait_until = step_ + 1 + memory.wait;
+}
+
+void DirectIslands::consider(const Island& island, const DirectWorld& world, const DirectStep& step, const DirectChoice& choice) {
+    const std::span<const std::uint32_t> bodies = links_.bodies(island), manifolds = links_.manifolds(island);
+    if (!is_plain(world, bodies, manifolds)) return;
+    const IslandShape shape = look_at_island(world, bodies, manifolds, step);
+    // An impact presses harder than the island weighs, but not for long.
+    const SagLaw law = law_of(step);
+    double most = 0.0, excess = 0.0;
+    for (const std::uint32_t m : manifolds) {
+        const ContactPair& pair = world.contacts.pairs[world.contacts.manifolds[m].pair];
+        const double load = std::min(stiff_.loads()[m], shape.weight);
+        most = std::max(most, load);
+        excess = std::max(excess, law.excess(pair, world.proxies, world.bodies, load));
+    }
+    const bool kept = held_before_[bodies.front()] != 0;
+    if (choice.method == ContactMethod::Automatic && excess <= (kept ? 0.5 : 1.0)) return;
+    ++counts_.stiff;
+    Memory& memory = memory_of(bodies.front());
+    if (shape.impact) {
+        ++counts_.moving;
+        return;
+    }
+    if (memory.wait_until > step_) {
+        ++(memory.too_large ? counts_.too_large : counts_.waiting);
+        return;
+    }
+    const bool calm = shape.top_speed * step.dt <= kCalmShare * shape.extent || (bodies.size() <= kFewBodies && excess > kSquashed);
+    if (!calm && !kept) {
+        ++counts_.moving;
+        return;
+    }
+    memory.stiffness = stiffness_of(shape, step);
+    memory.too_large = !analyse(memory, island, world, step, choice.budget);
+    if (memory.too_large) {
+        ++counts_.too_large;
+        leave_alone(memory, kLongestRefusal);
+        return;
+    }
+    for (std::size_t i = 0; i < manifolds.size(); ++i) {
+        // A stiffness that stays keeps the factor: it follows the load with room to either side.
+        const ContactPair& pair = world.contacts.pairs[world.contacts.manifolds[manifolds[i]].pair];
+        const double load = std::max(stiff_.loads()[manifolds[i]], least_load(pair, world.bodies, step.gravity, most));
+        if (load > memory.loads[i] || load < kLeastLoadShare * memory.loads[i]) memory.loads[i] = kLoadRoom * load;
+    }
+    memory.stiffness.tolerances.most_factorisations =
+        static_cast<int>(std::clamp(kMostFactorisations * choice.budget / memory.newton.operations(), std::size_t{4}, std::size_t{60}));
+    tasks_.push_back({island, &memory});
+}
+
+bool DirectIslands::analyse(Memory& memory, const Island& island, const DirectWorld& world, const DirectStep& step, std::size_t budget) {
+    const std::span<const std::uint32_t> bodies = links_.bodies(island), manifolds = links_.manifolds(island);
+    for (std::size_t i = 0; i < bodies.size(); ++i) local_of_slot_[bodies[i]] = static_cast<std::int32_t>(i);
+    new_links_.clear();
+    std::size_t joints = 0;
+    for (const std::uint32_t m : manifolds) {
+        const ContactPair& pair = world.contacts.pairs[world.contacts.manifolds[m].pair];
+        new_links_.push_back(std::uint64_t{pair.body_a.slot} << 32 | pair.body_b.slot);
+        new_links_.push_back(world.contacts.manifolds[m].count);
+        joints += local_of_slot_[pair.body_a.slot] != kNoBody && local_of_slot_[pair.body_b.slot] != kNoBody ? 1 : 0;
+    }
+    const bool known = memory.analysed && std::ranges::equal(memory.slots, bodies) && memory.links == new_links_;
+    if (known) return true;
+    memory.analysed = false;
+    if (bodies.size() > budget / kLeastOperations || joints > budget / kLeastOperations) return false;
+    memory.slots.assign(bodies.begin(), bodies.end());
+    memory.links = new_links_;
+    memory.loads.assign(manifolds.size(), 0.0);
+    fill_problem(world, {bodies, manifolds, local_of_slot_, memory.loads}, memory.stiffness, step, memory.problem);
+    memory.analysed = memory.newton.analyse(memory.problem, budget);
+    return memory.analysed;
+}
+
+void DirectIslands::solve(const DirectWorld& world, const DirectStep& step, Executor& executor) {
+    executor.parallel_for(tasks_.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            Memory& memory = *tasks_[i].memory;
+            const std::span<const std::uint32_t> bodies = links_.bodies(tasks_[i].island), manifolds = links_.manifolds(tasks_[i].island);
+            fill_problem(world, {bodies, manifolds, local_of_slot_, memory.loads}, memory.stiffness, step, memory.problem);
+            memory.result = memory.newton.solve(memory.problem, memory.stiffness.tolerances);
+            if (!memory.result.converged) continue;
+            apply_solution(memory.problem, bodies, manifolds, step, world);
+            for (const std::uint32_t slot : bodies) held_[slot] = 1;
+        }
+    });
+    for (const Task& task : tasks_) {
+        Memory& memory = *task.memory;
+        counts_.iterations += static_cast<std::size_t>(memory.result.iterations);
+        counts_.factorisations += static_cast<std::size_t>(memory.result.factorisations);
+        counts_.operations += static_cast<std::size_t>(memory.result.factorisations) * memory.newton.operations();
+        if (memory.result.converged) {
+            ++counts_.solved;
+            memory.wait = 0;
+            any_held_ = true;
+        } else {
+            ++counts_.fell_back;
+            leave_alone(memory, kLongestWait);
+        }
+    }
+}
+
+}  // namespace carom::dynamics

@@ -1,0 +1,282 @@
+#include <carom/dynamics/detail/direct_newton.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace carom::dynamics {
+namespace {
+
+/// A factor made of other contacts or poses is kept while an iteration with it makes the residual this much smaller.
+constexpr double kLeastGain = 5.0;
+/// One point in so many may have changed between sticking, slipping and being apart since the factor was made.
+constexpr std::size_t kFewChange = 20;
+/// The slope at the end of a line search over that at its start.
+constexpr double kSlopeShare = 1e-6;
+constexpr int kMostTrials = 60;
+/// What rounding leaves of a sum of impulses.
+constexpr double kRounding = 1e-13;
+
+std::size_t as_index(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+/// The matrix of r × · is [r]; glm goes by columns.
+dmat3 cross_matrix(const dvec3& r) { return {{0.0, r.z, -r.y}, {-r.z, 0.0, r.x}, {r.y, -r.x, 0.0}}; }
+
+/// Rows `row`.. and columns `column`.. of the block += m.
+void add(Block6& block, int row, int column, const dmat3& m) {
+    for (int c = 0; c < 3; ++c) {
+        for (int r = 0; r < 3; ++r) block.at(row + r, column + c) += m[c][r];
+    }
+}
+
+/// block += sign * (J of a body with arm `left`)ᵀ g (J of one with arm `right`), J = [1, -[arm]].
+void add_coupling(Block6& block, const dmat3& g, const dvec3& left, const dvec3& right, double sign) {
+    const dmat3 turned = glm::transpose(cross_matrix(right));  // -[right]
+    const dmat3 upper_right = sign * (g * turned);
+    const dmat3 arm = sign * cross_matrix(left);  // ([left]ᵀ)ᵀ: (-[left])ᵀ = [left]
+    add(block, 0, 0, sign * g);
+    add(block, 0, 3, upper_right);
+    add(block, 3, 0, arm * g);
+    add(block, 3, 3, arm * (g * turned));
+}
+
+dvec3 velocity_at(const DirectBody& body, const dvec3& arm) { return body.velocity + glm::cross(body.spin, arm); }
+
+dvec3 relative_velocity(const DirectProblem& problem, const DirectContact& c) {
+    dvec3 u = c.drift;
+    if (c.b != kNoBody) u += velocity_at(problem.bodies[as_index(c.b)], c.arm_b);
+    if (c.a != kNoBody) u -= velocity_at(problem.bodies[as_index(c.a)], c.arm_a);
+    return u;
+}
+
+double slip_speed(const DirectProblem& problem, const DirectContact& c) {
+    const dvec3 u = relative_velocity(problem, c);
+    return glm::length(u - glm::dot(u, c.normal) * c.normal);
+}
+
+dvec3 linear_part(const Vector6& x) { return {x[0], x[1], x[2]}; }
+dvec3 angular_part(const Vector6& x) { return {x[3], x[4], x[5]}; }
+
+}  // namespace
+
+bool DirectNewton::analyse(const DirectProblem& problem, std::size_t most_operations) {
+    has_factor_ = false;
+    const std::size_t bodies = edge_bodies_;
+    before_.swap(edges_);
+    edges_.clear();
+    edge_of_.clear();
+    for (const DirectContact& c : problem.contacts) {
+        if (c.a == kNoBody || c.b == kNoBody) {
+            edge_of_.push_back(-1);
+            continue;
+        }
+        // The points of a manifold follow each other and share their edge.
+        if (edges_.empty() || !(edges_.back() == BlockEdge{c.a, c.b})) edges_.push_back({c.a, c.b});
+        edge_of_.push_back(static_cast<std::int32_t>(edges_.size()) - 1);
+    }
+    edge_bodies_ = problem.bodies.size();
+    if (bodies == edge_bodies_ && before_ == edges_) return true;
+    const bool affordable = factor_.analyse(static_cast<std::int32_t>(problem.bodies.size()), edges_, most_operations);
+    if (!affordable) edge_bodies_ = 0;
+    return affordable;
+}
+
+void DirectNewton::evaluate(const DirectProblem& problem) {
+    for (std::size_t i = 0; i < problem.bodies.size(); ++i) {
+        const DirectBody& body = problem.bodies[i];
+        gradient_[i] = {body.mass * (body.velocity - body.free_velocity), body.inertia * (body.spin - body.free_spin)};
+        load_[i] = 0.0;
+    }
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+        const DirectContact& c = problem.contacts[i];
+        Point& p = points_[i];
+        p.y = c.friction_guess - (relative_velocity(problem, c) + (c.bias + p.correction) * c.normal) / c.softness;
+        p.cone = nearest_in_cone(p.y, c.normal, c.friction);
+        if (p.cone.state == ConeState::Apart) continue;
+        const double size = glm::length(p.cone.impulse);
+        if (c.b != kNoBody) {
+            Motion& g = gradient_[as_index(c.b)];
+            g.linear -= p.cone.impulse;
+            g.angular -= glm::cross(c.arm_b, p.cone.impulse);
+            load_[as_index(c.b)] += size;
+        }
+        if (c.a != kNoBody) {
+            Motion& g = gradient_[as_index(c.a)];
+            g.linear += p.cone.impulse;
+            g.angular += glm::cross(c.arm_a, p.cone.impulse);
+            load_[as_index(c.a)] += size;
+        }
+    }
+}
+
+double DirectNewton::residual(const DirectProblem& problem) const {
+    double worst = 0.0;
+    for (std::size_t i = 0; i < problem.bodies.size(); ++i) {
+        const DirectBody& body = problem.bodies[i];
+        const double gyration = std::sqrt((body.inertia[0][0] + body.inertia[1][1] + body.inertia[2][2]) / (2.0 * body.mass));
+        const double missing = std::max(glm::length(gradient_[i].linear), glm::length(gradient_[i].angular) / gyration);
+        const double error = (missing - kRounding * load_[i]) / body.mass;
+        if (!(error <= worst)) worst = error;  // NaN is worse than all
+    }
+    return worst;
+}
+
+void DirectNewton::assemble(const DirectProblem& problem) {
+    factor_.clear();
+    for (std::size_t i = 0; i < problem.bodies.size(); ++i) {
+        Block6& block = factor_.diagonal(static_cast<std::int32_t>(i));
+        add(block, 0, 0, dmat3{problem.bodies[i].mass});
+        add(block, 3, 3, problem.bodies[i].inertia);
+    }
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+        const DirectContact& c = problem.contacts[i];
+        factored_[i] = points_[i].cone.state;
+        if (factored_[i] == ConeState::Apart) continue;
+        const dmat3 g = points_[i].cone.derivative() / c.softness;
+        if (c.a != kNoBody) add_coupling(factor_.diagonal(c.a), g, c.arm_a, c.arm_a, 1.0);
+        if (c.b != kNoBody) add_coupling(factor_.diagonal(c.b), g, c.arm_b, c.arm_b, 1.0);
+        if (edge_of_[i] < 0) continue;
+        const BlockPlace place = factor_.place(as_index(edge_of_[i]));
+        Block6& block = factor_.block(place.index);
+        if (place.transposed) {
+            add_coupling(block, g, c.arm_b, c.arm_a, -1.0);
+        } else {
+            add_coupling(block, g, c.arm_a, c.arm_b, -1.0);
+        }
+    }
+}
+
+bool DirectNewton::refactor(const DirectProblem& problem) {
+    assemble(problem);
+    has_factor_ = factor_.factorise();
+    return has_factor_;
+}
+
+void DirectNewton::find_step(const DirectProblem& problem) {
+    for (std::size_t i = 0; i < gradient_.size(); ++i) {
+        const Motion& g = gradient_[i];
+        step_[i] = {{-g.linear.x, -g.linear.y, -g.linear.z, -g.angular.x, -g.angular.y, -g.angular.z}};
+    }
+    factor_.solve(step_);
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+        const DirectContact& c = problem.contacts[i];
+        dvec3 change{0.0};
+        if (c.b != kNoBody) change += linear_part(step_[as_index(c.b)]) + glm::cross(angular_part(step_[as_index(c.b)]), c.arm_b);
+        if (c.a != kNoBody) change -= linear_part(step_[as_index(c.a)]) + glm::cross(angular_part(step_[as_index(c.a)]), c.arm_a);
+        points_[i].step = -change / c.softness;
+    }
+}
+
+// The root of the slope along the step, which rises: Newton's method within a bracket.
+double DirectNewton::step_length(const DirectProblem& problem) {
+    double free_slope = 0.0, curvature = 0.0;
+    for (std::size_t i = 0; i < problem.bodies.size(); ++i) {
+        const DirectBody& body = problem.bodies[i];
+        const dvec3 linear = linear_part(step_[i]), angular = angular_part(step_[i]);
+        free_slope += body.mass * glm::dot(linear, body.velocity - body.free_velocity) +
+                      glm::dot(angular, body.inertia * (body.spin - body.free_spin));
+        curvature += body.mass * glm::dot(linear, linear) + glm::dot(angular, body.inertia * angular);
+    }
+    struct Slope {
+        double value, change;
+    };
+    const auto slope_at = [&](double length) {
+        Slope s{free_slope + length * curvature, curvature};
+        for (std::size_t i = 0; i < points_.size(); ++i) {
+            const DirectContact& c = problem.contacts[i];
+            const dvec3& step = points_[i].step;
+            const ConePoint cone = nearest_in_cone(points_[i].y + length * step, c.normal, c.friction);
+            if (cone.state == ConeState::Apart) continue;
+            s.value += c.softness * glm::dot(step, cone.impulse);
+            s.change += c.softness * glm::dot(step, cone.derivative(step));
+        }
+        return s;
+    };
+    const double limit = kSlopeShare * std::abs(slope_at(0.0).value);
+    double lower = 0.0, upper = 0.0, length = 1.0;  // upper 0: none yet
+    for (int trial = 0; trial < kMostTrials; ++trial) {
+        const Slope s = slope_at(length);
+        if (std::abs(s.value) <= limit) break;
+        (s.value < 0.0 ? lower : upper) = length;
+        double next = length - s.value / s.change;
+        if (upper == 0.0) {
+            next = std::min(std::max(next, 1.5 * length), 10.0 * length);
+        } else if (!(next > lower && next < upper)) {
+            next = 0.5 * (lower + upper);
+        }
+        if (next == length) break;
+        length = next;
+    }
+    return length;
+}
+
+void DirectNewton::take_step(DirectProblem& problem, double length) {
+    for (std::size_t i = 0; i < problem.bodies.size(); ++i) {
+        problem.bodies[i].velocity += length * linear_part(step_[i]);
+        problem.bodies[i].spin += length * angular_part(step_[i]);
+    }
+    evaluate(problem);
+}
+
+double DirectNewton::correct_for_slip(const DirectProblem& problem) {
+    double worst = 0.0;
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+        const DirectContact& c = problem.contacts[i];
+        Point& p = points_[i];
+        const bool sticks = p.cone.state == ConeState::Sticks;
+        const double wanted = sticks ? 0.0 : c.friction * slip_speed(problem, c);
+        // A point that is apart stays so with less of it.
+        const double error = p.cone.state == ConeState::Apart ? p.correction - wanted : std::abs(p.correction - wanted);
+        worst = std::max(worst, error);
+        p.correction = p.cone.state == ConeState::Apart ? std::min(p.correction, wanted) : wanted;
+    }
+    return worst;
+}
+
+bool DirectNewton::has_changed() const {
+    std::size_t changed = 0;
+    for (std::size_t i = 0; i < points_.size(); ++i) changed += factored_[i] != points_[i].cone.state ? 1 : 0;
+    return changed * kFewChange > points_.size();
+}
+
+bool DirectNewton::minimise(DirectProblem& problem, const DirectSettings& settings, DirectResult& result) {
+    evaluate(problem);
+    result.residual = residual(problem);
+    bool gained = true;
+    while (!(result.residual <= settings.speed_tolerance)) {
+        if (result.iterations == settings.most_iterations || !std::isfinite(result.residual)) return false;
+        if (!has_factor_ || !gained || has_changed()) {
+            if (result.factorisations == settings.most_factorisations) return false;
+            ++result.factorisations;
+            if (!refactor(problem)) return false;
+        }
+        ++result.iterations;
+        find_step(problem);
+        take_step(problem, step_length(problem));
+        const double before = result.residual;
+        result.residual = residual(problem);
+        gained = result.residual * kLeastGain <= before;
+    }
+    return true;
+}
+
+DirectResult DirectNewton::solve(DirectProblem& problem, const DirectSettings& settings) {
+    gradient_.resize(problem.bodies.size());
+    load_.resize(problem.bodies.size());
+    step_.resize(problem.bodies.size());
+    points_.resize(problem.contacts.size());
+    factored_.resize(problem.contacts.size(), ConeState::Apart);
+    for (std::size_t i = 0; i < points_.size(); ++i) {
+        const DirectContact& c = problem.contacts[i];
+        points_[i].correction = c.friction * slip_speed(problem, c);
+    }
+    DirectResult result;
+    for (int pass = 0; pass < settings.most_slip_passes && !result.converged; ++pass) {
+        if (!minimise(problem, settings, result)) return result;
+        result.slip_error = correct_for_slip(problem);
+        result.converged = result.slip_error <= settings.slip_tolerance;
+    }
+    for (std::size_t i = 0; i < points_.size(); ++i) problem.contacts[i].impulse = points_[i].cone.impulse;
+    return result;
+}
+
+}  // namespace carom::dynamics

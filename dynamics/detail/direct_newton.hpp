@@ -1,0 +1,81 @@
+// Newton's method on the contact problem of an island, in blocks of 6 x 6, with an exact line search.
+//
+//   DirectNewton newton;
+//   if (newton.analyse(problem, 100'000)) {
+//       DirectResult r = newton.solve(problem, settings);
+//       if (r.converged) ...  // problem has the velocities and the impulses
+//   }
+#pragma once
+
+#include <carom/dynamics/detail/block_cholesky.hpp>
+#include <carom/dynamics/detail/direct_problem.hpp>
+#include <carom/dynamics/detail/friction_cone.hpp>
+
+#include <cstddef>
+#include <vector>
+
+namespace carom::dynamics {
+
+struct DirectSettings {
+    double speed_tolerance = 0.0;  ///< by which no body's velocity may miss its balance of momentum [m/s] > 0
+    double slip_tolerance = 0.0;   ///< by which a sliding point may be lifted too fast or too slowly [m/s] > 0
+    int most_iterations = 60;
+    int most_factorisations = 60;
+    int most_slip_passes = 12;
+};
+
+struct DirectResult {
+    bool converged = false;
+    int iterations = 0;       ///< linear solves
+    int factorisations = 0;
+    double residual = 0.0;    ///< the largest error of a body's velocity by its momentum [m/s]
+    double slip_error = 0.0;  ///< the largest |μ |u_t| - correction| of a sliding point [m/s]
+};
+
+/// Keeps the factor from one solve to the next: where the same contacts stick and the bodies hardly moved, one back substitution is all that
+/// an iteration takes. What it keeps changes how fast it converges, and the last digits.
+class DirectNewton {
+public:
+    /// @return whether a factorisation takes at most `most_operations` of blocks.
+    [[nodiscard]] bool analyse(const DirectProblem& problem, std::size_t most_operations);
+    [[nodiscard]] std::size_t operations() const noexcept { return factor_.operations(); }
+
+    /// From the velocities that the problem comes with to those that solve it. Where it does not converge, they and the impulses mean nothing.
+    /// Cost: an iteration is linear in contacts and in blocks of the factor; a factorisation takes operations() products of blocks.
+    DirectResult solve(DirectProblem& problem, const DirectSettings& settings);
+
+private:
+    struct Motion {
+        dvec3 linear{0.0}, angular{0.0};
+    };
+    struct Point {
+        double correction = 0.0;  // of the bias, for sliding [m/s]
+        dvec3 y{0.0}, step{0.0};  // step: change of y over the whole Newton step
+        ConePoint cone;
+    };
+    void evaluate(const DirectProblem& problem);
+    [[nodiscard]] double residual(const DirectProblem& problem) const;
+    /// @return whether the factor is of too many other states.
+    [[nodiscard]] bool has_changed() const;
+    [[nodiscard]] bool refactor(const DirectProblem& problem);
+    void assemble(const DirectProblem& problem);
+    void find_step(const DirectProblem& problem);
+    [[nodiscard]] double step_length(const DirectProblem& problem);
+    void take_step(DirectProblem& problem, double length);
+    /// @return the largest change of a correction.
+    [[nodiscard]] double correct_for_slip(const DirectProblem& problem);
+    [[nodiscard]] bool minimise(DirectProblem& problem, const DirectSettings& settings, DirectResult& result);
+
+    BlockCholesky factor_;
+    std::vector<BlockEdge> edges_, before_;
+    std::size_t edge_bodies_ = 0;        // that the factor is laid out for, with edges_
+    std::vector<std::int32_t> edge_of_;  // of each contact; -1 where one side is no body
+    bool has_factor_ = false;
+    std::vector<ConeState> factored_;    // states that the factor was made of
+    std::vector<Motion> gradient_;
+    std::vector<double> load_;           // Σ |λ| on each body [N s]
+    std::vector<Vector6> step_;
+    std::vector<Point> points_;
+};
+
+}  // namespace carom::dynamics

@@ -1,0 +1,50 @@
+// Islands: bodies that contacts between dynamic bodies join, directly or through others. What cannot give way joins nobody.
+//
+//   IslandLinks links;
+//   links.link(contacts, bodies.roles);
+//   links.gather(contacts, bodies.roles, wanted);   // those with a manifold that is wanted
+//   for (const Island& i : links.islands()) ... links.bodies(i), links.manifolds(i)
+#pragma once
+
+#include <carom/dynamics/detail/contact_set.hpp>
+#include <carom/dynamics/detail/proxies.hpp>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace carom::dynamics {
+
+/// Ranges of IslandLinks' lists.
+struct Island {
+    std::uint32_t first_body = 0, body_count = 0;
+    std::uint32_t first_manifold = 0, manifold_count = 0;
+};
+
+/// Union-find with path halving; the lowest slot of an island is its root, so nothing depends on the order of the contacts.
+/// Source: Tarjan and van Leeuwen, Worst-Case Analysis of Set Union Algorithms (JACM 1984).
+class IslandLinks {
+public:
+    /// Cost: near O(pairs + slots).
+    void link(const ContactSet& contacts, std::span<const Role> roles);
+    /// @return the lowest slot of the island that the dynamic body in `slot` belongs to.
+    [[nodiscard]] std::uint32_t root(std::uint32_t slot) noexcept;
+
+    /// Lists the islands that have a manifold with wanted[m] != 0, by rising root: their bodies, by slot, and all their manifolds, in order.
+    void gather(const ContactSet& contacts, std::span<const Role> roles, std::span<const unsigned char> wanted);
+    [[nodiscard]] std::span<const Island> islands() const noexcept { return islands_; }
+    [[nodiscard]] std::span<const std::uint32_t> bodies(const Island& i) const noexcept { return std::span{bodies_}.subspan(i.first_body, i.body_count); }
+    [[nodiscard]] std::span<const std::uint32_t> manifolds(const Island& i) const noexcept {
+        return std::span{manifolds_}.subspan(i.first_manifold, i.manifold_count);
+    }
+
+private:
+    static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+    std::vector<std::uint32_t> parent_;     // by slot
+    std::vector<std::uint32_t> island_of_;  // by root
+    std::vector<Island> islands_;
+    std::vector<std::uint32_t> bodies_, manifolds_;
+};
+
+}  // namespace carom::dynamics

@@ -1,0 +1,96 @@
+#include <carom/dynamics/detail/stiff_contacts.hpp>
+
+#include <carom/core/math.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace carom::dynamics {
+namespace {
+
+/// A manifold whose normal is within 84 degrees of gravity bears weight.
+constexpr double kBearing = 0.1;
+/// What rests on a manifold by weight alone may be spread otherwise by friction: so much of it counts.
+constexpr double kEstimateShare = 2.0 / 3.0;
+
+struct Bearing {
+    bool bears = false;
+    std::uint32_t above = 0, under = 0;  // slots of bodies
+};
+
+/// Who rests on whom, where they touch or will by the end of a step's fall.
+Bearing bearing_of(const Manifold& manifold, const ContactPair& pair, const dvec3& down, double reach) {
+    float nearest = manifold.points[0].separation;
+    for (const ContactPoint& point : manifold.used()) nearest = std::min(nearest, point.separation);
+    const double along = glm::dot(dvec3{manifold.normal}, down);  // the normal goes from A to B
+    if (std::abs(along) < kBearing || static_cast<double>(nearest) > reach) return {};
+    return along < 0.0 ? Bearing{true, pair.body_b.slot, pair.body_a.slot} : Bearing{true, pair.body_a.slot, pair.body_b.slot};
+}
+
+}  // namespace
+
+double SagLaw::excess(const ContactPair& pair, const ProxySet& proxies, const BodyArrays& bodies, double load) const noexcept {
+    const double inverse_a = bodies.masses[pair.body_a.slot].inverse_mass, inverse_b = bodies.masses[pair.body_b.slot].inverse_mass;
+    const double rate = 2.0 * kPi * contact_rate / substep;
+    const double stiffer = inverse_a == 0.0 || inverse_b == 0.0 ? 4.0 : 1.0;
+    const double most = share * std::min(proxies.extents[pair.proxy_a], proxies.extents[pair.proxy_b]);
+    return load * (inverse_a + inverse_b) / (stiffer * rate * rate * most);
+}
+
+bool StiffContacts::look(const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies, const SagLaw& law,
+                         std::span<const unsigned char> keep) {
+    const std::size_t count = contacts.manifolds.size();
+    marks_.resize(count);
+    loads_.assign(count, 0.0);
+    if (count > manifolds_before_) add_up_weights(contacts, bodies, law);
+    manifolds_before_ = count;
+    unsigned char any = 0;
+    for (std::size_t m = 0; m < count; ++m) {
+        const ContactPair& pair = contacts.pairs[contacts.manifolds[m].pair];
+        float impulse = 0.0f;
+        for (std::size_t k = 0; k < contacts.manifolds[m].count; ++k) impulse += contacts.impulses[m][k].normal;
+        const double measured = static_cast<double>(impulse) / law.substep;
+        const bool kept = (keep[pair.body_a.slot] | keep[pair.body_b.slot]) != 0;
+        loads_[m] = std::max(kEstimateShare * loads_[m], measured);
+        marks_[m] = law.excess(pair, proxies, bodies, loads_[m]) > (kept ? 0.5 : 1.0) ? 1 : 0;
+        any |= marks_[m];
+    }
+    return any != 0;
+}
+
+void StiffContacts::add_up_weights(const ContactSet& contacts, const BodyArrays& bodies, const SagLaw& law) {
+    const double pull = glm::length(law.gravity);
+    const dvec3 down = law.gravity / pull;
+    const double reach = pull * law.dt * law.dt;
+    const auto bearing = [&](std::uint32_t m) { return bearing_of(contacts.manifolds[m], contacts.pairs[contacts.manifolds[m].pair], down, reach); };
+    const auto count = static_cast<std::uint32_t>(contacts.manifolds.size());
+    const std::size_t slots = bodies.roles.size();
+    first_below_.assign(slots + 2, 0);
+    for (std::uint32_t m = 0; m < count; ++m) {
+        if (const Bearing b = bearing(m); b.bears) ++first_below_[b.above + 2];
+    }
+    for (std::size_t slot = 2; slot < first_below_.size(); ++slot) first_below_[slot] += first_below_[slot - 1];
+    below_.resize(first_below_.back());
+    for (std::uint32_t m = 0; m < count; ++m) {
+        if (const Bearing b = bearing(m); b.bears) below_[first_below_[b.above + 1]++] = m;
+    }
+    keys_.clear();
+    falling_.clear();
+    borne_.assign(slots, 0.0);
+    for (std::uint32_t slot = 0; slot < slots; ++slot) {
+        if (bodies.roles[slot] != Role::Dynamic || first_below_[slot] == first_below_[slot + 1]) continue;
+        keys_.push_back(ordered_key(static_cast<float>(glm::dot(down, bodies.states[slot].pose.position))));
+        falling_.push_back(slot);
+    }
+    radix_sort(keys_, falling_, scratch_);
+    for (const std::uint32_t slot : falling_) {
+        const std::uint32_t begin = first_below_[slot], end = first_below_[slot + 1];
+        const double part = (borne_[slot] + pull * bodies.masses[slot].mass) / (end - begin);
+        for (std::uint32_t i = begin; i < end; ++i) {
+            loads_[below_[i]] = part;
+            borne_[bearing(below_[i]).under] += part;
+        }
+    }
+}
+
+}  // namespace carom::dynamics
