@@ -60,12 +60,13 @@ struct Cycles {
 };
 
 Cycles plan_cycles(double angle, const SpinSettings& settings) noexcept {
-    const double strang = std::sqrt(settings.tolerance / kStrangError);
-    if (settings.scheme == SpinScheme::Strang || (settings.scheme == SpinScheme::Automatic && angle <= strang)) {
-        return {1 + static_cast<int>(angle / strang), SpinScheme::Strang};
+    const double strang = angle / std::sqrt(settings.tolerance / kStrangError);
+    const double fourth = angle / std::min(kMostFourth, std::sqrt(std::sqrt(settings.tolerance / kFourthError)));
+    const bool fewer = 3.0 * std::floor(strang + 1.0) <= 13.0 * std::floor(fourth + 1.0);  // rotations
+    if (settings.scheme == SpinScheme::Strang || (settings.scheme == SpinScheme::Automatic && fewer)) {
+        return {1 + static_cast<int>(strang), SpinScheme::Strang};
     }
-    const double fourth = std::min(kMostFourth, std::sqrt(std::sqrt(settings.tolerance / kFourthError)));
-    return {1 + static_cast<int>(angle / fourth), SpinScheme::FourthOrder};
+    return {1 + static_cast<int>(fourth), SpinScheme::FourthOrder};
 }
 
 void rotate_asymmetric(dquat& q, dvec3& momentum, const FreeRotation& body, double dt, const SpinSettings& settings) noexcept {

@@ -34,7 +34,7 @@ struct Rotation {
 
 /// Which splitting an asymmetric body gets.
 enum class SpinScheme : unsigned char {
-    Automatic,    ///< one cycle of Strang where that keeps the tolerance, else cycles of fourth order
+    Automatic,    ///< whichever keeps the tolerance by fewer rotations
     Strang,       ///< second order, 3 rotations a cycle
     FourthOrder,  ///< 13 rotations a cycle
 };
