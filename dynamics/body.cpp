@@ -11,4 +11,15 @@ const char* to_string(BodyType type) noexcept {
     return "unknown";
 }
 
+const char* to_string(CombineRule rule) noexcept {
+    switch (rule) {
+        case CombineRule::Average: return "average";
+        case CombineRule::GeometricMean: return "geometric_mean";
+        case CombineRule::Minimum: return "minimum";
+        case CombineRule::Product: return "product";
+        case CombineRule::Maximum: return "maximum";
+    }
+    return "unknown";
+}
+
 }  // namespace carom

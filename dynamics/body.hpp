@@ -6,6 +6,7 @@
 #include <carom/core/pose.hpp>
 
 #include <cstdint>
+#include <optional>
 #include <string>
 
 namespace carom {
@@ -16,6 +17,12 @@ enum class BodyType : unsigned char { Static, Kinematic, Dynamic };
 /// @return "static", "kinematic", "dynamic": as scene files spell it.
 [[nodiscard]] const char* to_string(BodyType type) noexcept;
 
+/// World axes along which a body does not move, or about which it does not turn; any of these, joined by |.
+struct LockedAxes {
+    static constexpr unsigned char None = 0, MoveX = 1, MoveY = 2, MoveZ = 4, TurnX = 8, TurnY = 16, TurnZ = 32, All = 63;
+    static constexpr unsigned char Plane2D = MoveZ | TurnX | TurnY;  ///< what is left is a world in the plane of x and y
+};
+
 struct BodyDef {
     BodyType type = BodyType::Dynamic;
     dvec3 position{0.0};                    ///< of the body's origin [m]
@@ -23,13 +30,25 @@ struct BodyDef {
     dvec3 linear_velocity{0.0};             ///< of the centre of mass [m/s]
     dvec3 angular_velocity{0.0};            ///< world axes [rad/s]
     std::string name{};                     ///< for people: reports and views print it
+    double gravity_scale = 1.0;             ///< of dynamic bodies: how much of the world's gravity pulls; finite, may be negative
+    double linear_damping = 0.0;            ///< of dynamic bodies: without other forces v falls by exp(-c t), c >= 0 [1/s]
+    double angular_damping = 0.0;           ///< the same of the angular momentum
+    unsigned char locked = LockedAxes::None;  ///< of dynamic bodies
 };
+
+/// How the values of two shapes become that of their contact. A shape that names no rule leaves it to the other; where both name one, the
+/// later in this list holds; where none does: friction GeometricMean, everything else Maximum.
+enum class CombineRule : unsigned char { Average, GeometricMean, Minimum, Product, Maximum };
+/// @return "average", "geometric_mean", "minimum", "product", "maximum": as scene files spell it.
+[[nodiscard]] const char* to_string(CombineRule rule) noexcept;
 
 /// How a shape is made of matter and meets others. The parts of a compound may have density, friction and restitution of their own.
 struct ShapeDef {
     double density = 1000.0;         ///< [kg/m³] > 0; ignored on static and kinematic bodies
-    float friction = 0.6f;           ///< Coulomb coefficient >= 0; two shapes combine by the geometric mean
-    float restitution = 0.0f;        ///< in [0, 1]; two shapes combine by the larger
+    float friction = 0.6f;           ///< Coulomb coefficient >= 0
+    float restitution = 0.0f;        ///< in [0, 1]: speed after an impact over that before it
+    std::optional<CombineRule> friction_rule{};
+    std::optional<CombineRule> restitution_rule{};
     Pose local{};                    ///< of the shape in its body
     std::uint64_t layer = 1;         ///< bits this shape has
     std::uint64_t mask = ~std::uint64_t{0};  ///< bits it meets; both must agree

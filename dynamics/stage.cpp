@@ -7,6 +7,7 @@ const char* to_string(Stage stage) noexcept {
         case Stage::Bounds: return "Bounds";
         case Stage::Pairs: return "Pairs";
         case Stage::Collide: return "Collide";
+        case Stage::Restitution: return "Restitution";
         case Stage::Islands: return "Islands";
         case Stage::Direct: return "Direct";
         case Stage::Prepare: return "Prepare";
@@ -15,7 +16,6 @@ const char* to_string(Stage stage) noexcept {
         case Stage::Solve: return "Solve";
         case Stage::Positions: return "Positions";
         case Stage::Relax: return "Relax";
-        case Stage::Restitution: return "Restitution";
         case Stage::Store: return "Store";
         case Stage::Quarantine: return "Quarantine";
     }

@@ -9,6 +9,7 @@ enum class Stage : unsigned char {
     Bounds,
     Pairs,
     Collide,
+    Restitution,
     Islands,
     Direct,
     Prepare,
@@ -17,7 +18,6 @@ enum class Stage : unsigned char {
     Solve,
     Positions,
     Relax,
-    Restitution,
     Store,
     Quarantine,
 };

@@ -61,6 +61,9 @@ struct StepReport {
     std::size_t contacts = 0;   ///< points of all manifolds
     std::size_t touching = 0;   ///< of these, with separation <= 0
 
+    std::size_t impacts = 0;       ///< points that bounced, counted at each of their impacts
+    std::size_t impacts_left = 0;  ///< contacts that came to more impacts in the step than are followed: the solver stopped them, without a bounce
+
     double max_penetration = 0.0;   ///< by the manifolds at the start of the step [m]
     double mean_penetration = 0.0;  ///< over the touching points [m]
 

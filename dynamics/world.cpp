@@ -45,11 +45,27 @@ Status check_mass_range(const MassProperties& m) {
 
 bool is_unit(const dquat& q) { return std::abs(glm::length(q) - 1.0) <= kUnitTolerance; }
 
+/// Whether a body needs traits.
+bool asks_for_more(const BodyDef& def) {
+    return def.gravity_scale != 1.0 || def.linear_damping != 0.0 || def.angular_damping != 0.0 || def.locked != LockedAxes::None;
+}
+
+/// @return null if all is well, else what is wrong with what a body asks for beyond pose and velocity.
+const char* fault_of(const BodyDef& def) {
+    if (const char* fault = dynamics::fault_of_gravity_scale(def.gravity_scale)) return fault;
+    if (const char* fault = dynamics::fault_of_damping(def.linear_damping, def.angular_damping)) return fault;
+    if (const char* fault = dynamics::fault_of_locks(def.locked)) return fault;
+    return asks_for_more(def) && def.type != BodyType::Dynamic ? "gravity scale, damping and locked axes are of dynamic bodies" : nullptr;
+}
+
 /// @return null if all is well, else what is wrong with the shape's definition on such a body.
 const char* fault_of(const ShapeDef& def) {
     if (!is_finite(def.density) || def.density <= 0.0) return "density must be positive";
     if (!is_finite(def.friction) || def.friction < 0.0f) return "friction must not be negative";
     if (!is_finite(def.restitution) || def.restitution < 0.0f || def.restitution > 1.0f) return "restitution must be in [0, 1]";
+    for (const std::optional<CombineRule>& rule : {def.friction_rule, def.restitution_rule}) {
+        if (rule && *rule > CombineRule::Maximum) return "no such rule to combine by";
+    }
     if (!is_finite(def.local) || !is_unit(def.local.orientation)) return "the local pose must be finite, of unit orientation";
     return nullptr;
 }
@@ -80,6 +96,9 @@ Status validate(const WorldDef& def) {
     }
     if (def.direct_budget > std::size_t{1} << 32) return fault(ErrorCode::InvalidArgument, "direct_budget must be in 0..2^32");
     if (!is_finite(def.max_push) || def.max_push < 0.0) return fault(ErrorCode::InvalidArgument, "max_push must not be negative");
+    if (!(def.spin_tolerance >= 1e-12 && def.spin_tolerance <= 1.0)) {
+        return fault(is_finite(def.spin_tolerance) ? ErrorCode::InvalidArgument : ErrorCode::NotFinite, "spin_tolerance must lie in 1e-12 .. 1");
+    }
     if (!is_valid(def.broadphase)) return fault(ErrorCode::InvalidArgument, "no such broadphase");
     if (def.pair_limit < 1 || def.pair_limit > std::size_t{1} << 31) return fault(ErrorCode::InvalidArgument, "pair_limit must be in 1..2^31");
     if (def.plan != PlanMode::Automatic && def.plan != PlanMode::Everything) {
@@ -103,6 +122,8 @@ BodyId World::create_body(const BodyDef& def) {
     CAROM_REQUIRE(is_unit(def.orientation), ErrorCode::InvalidArgument, "the orientation must be a unit quaternion", {});
     CAROM_REQUIRE(is_finite(def.linear_velocity) && is_finite(def.angular_velocity), ErrorCode::NotFinite,
                   "velocities must be finite", {});
+    const char* fault = fault_of(def);
+    CAROM_REQUIRE(fault == nullptr, ErrorCode::InvalidArgument, fault, {});
     const BodyId id = impl_->bodies.insert({def.type, def.name, {}, false});
     dynamics::BodyArrays& arrays = impl_->arrays;
     if (arrays.states.size() <= id.slot) {
@@ -115,6 +136,14 @@ BodyId World::create_body(const BodyDef& def) {
                                        moves ? def.linear_velocity : dvec3{0.0},
                                        moves ? def.angular_velocity : dvec3{0.0}};
     arrays.masses[id.slot] = BodyMass{};
+    arrays.masses[id.slot].locked = def.locked;
+    if (!arrays.traits.empty()) arrays.traits.resize(arrays.states.size()), arrays.traits[id.slot] = {};
+    if (asks_for_more(def)) {
+        dynamics::BodyTraits& traits = impl_->traits_of(id.slot);
+        traits.gravity_scale = def.gravity_scale;
+        traits.linear_damping = def.linear_damping;
+        traits.angular_damping = def.angular_damping;
+    }
     arrays.roles[id.slot] = dynamics::role_of(def.type);
     // Until it has shapes, a body moves as a kilogram with unit inertia.
     if (def.type == BodyType::Dynamic) impl_->assign_mass(id, {1.0, dvec3{0.0}, dmat3{1.0}});
@@ -202,13 +231,12 @@ void World::Impl::assign_mass(BodyId body, const MassProperties& properties) {
     const PrincipalAxes axes = principal_axes(properties.inertia);
     mass.mass = properties.mass;
     mass.inverse_mass = 1.0 / properties.mass;
-    mass.moments = axes.moments;
-    mass.inverse_moments = 1.0 / axes.moments;
+    static_cast<FreeRotation&>(mass) = classify(axes.moments);
     mass.principal = {properties.center, axes.orientation};
-    dynamics::classify_inertia(mass);
     const dvec3 old_center = state.pose.position;
     state.pose = origin * mass.principal;
     state.velocity += glm::cross(state.spin, state.pose.position - old_center);
+    keep_locks(body.slot);
 }
 
 void World::Impl::put_proxy(ShapeId id) {
@@ -224,8 +252,7 @@ void World::Impl::put_proxy(ShapeId id) {
     // A mesh that others come to is a surface: the box round it says nothing of how far ahead contacts with it are wanted.
     const bool surface = type_of(s.shape) == ShapeType::TriangleMesh && arrays.roles[slot] != Role::Dynamic;
     proxy.extent = surface ? std::numeric_limits<double>::infinity() : smallest_extent(s.shape);
-    proxy.friction = s.def.friction;
-    proxy.restitution = s.def.restitution;
+    proxy.surface = {s.def.friction, s.def.restitution, s.def.friction_rule, s.def.restitution_rule};
     dynamics::put_proxy(proxies, std::move(proxy), ProxyFilter{s.def.layer, s.def.mask, arrays.roles[slot] == Role::Dynamic});
 }
 

@@ -41,6 +41,8 @@ struct WorldDef {
     double max_push = 0.1;            ///< overlap is removed by at most this share of the smaller shape's smallest extent a step, >= 0
     double contact_reuse = 1e-3;      ///< share of the smaller shape's smallest extent, in [0, 0.1], that two shapes (not two boxes) may move against
                                       ///< each other before their contact is found anew; 0: in every step
+    double spin_tolerance = 1e-6;     ///< relative error allowed of the rotational energy of free bodies, within 1e-12 .. 1; it does not grow
+                                      ///< with time. Bodies of three unlike moments are sub-cycled to it (free_rotation.hpp)
     ContactMethod contact_method = ContactMethod::Automatic;
     double direct_sag = 1e-4;         ///< share of the smallest extent, in [1e-6, 0.01], that a point which carries its whole island sags by where it
                                       ///< is solved directly; slender columns get less
@@ -118,6 +120,18 @@ public:
     void set_linear_velocity(BodyId body, const dvec3& velocity);
     void set_angular_velocity(BodyId body, const dvec3& velocity);
     void set_mass_properties(BodyId body, const MassProperties& mass);
+    void set_gravity_scale(BodyId body, double scale);                      ///< see BodyDef; within ±1e6
+    void set_damping(BodyId body, double linear, double angular);           ///< see BodyDef; within 0 .. 1e9 1/s
+    /// @param locked  bits of LockedAxes. Motion along and about them stops at once.
+    void set_locked_axes(BodyId body, unsigned char locked);
+    [[nodiscard]] double gravity_scale(BodyId body) const;
+    [[nodiscard]] double linear_damping(BodyId body) const;
+    [[nodiscard]] double angular_damping(BodyId body) const;
+    [[nodiscard]] unsigned char locked_axes(BodyId body) const;
+    /// Pushes through the whole of the next step that is not of dt = 0, evenly; forces and torques add up until then.
+    /// @param force [N], at the world point `point` [m]; acceleration at most 1e15 m/s².
+    void apply_force(BodyId body, const dvec3& force, const dvec3& point);
+    void apply_torque(BodyId body, const dvec3& torque);                    ///< the same with a torque [N m]
     /// Changes the velocity at once. @param impulse [N s], at the world point `point` [m].
     void apply_impulse(BodyId body, const dvec3& impulse, const dvec3& point);
 

@@ -18,6 +18,9 @@ const std::string kNoName;
 #define CAROM_FIND_BODY(body, ...)                                                          \
     const dynamics::BodyRecord* record = impl_->bodies.find(body);                          \
     CAROM_REQUIRE(record != nullptr, ErrorCode::DeadId, "no such body", __VA_ARGS__)
+#define CAROM_FIND_DYNAMIC(body, message) \
+    CAROM_FIND_BODY(body);                \
+    CAROM_REQUIRE(record->type == BodyType::Dynamic, ErrorCode::WrongType, message)
 #define CAROM_FIND_SHAPE(id, ...)                                                           \
     const dynamics::ShapeRecord* record = impl_->shapes.find(id);                           \
     CAROM_REQUIRE(record != nullptr, ErrorCode::DeadId, "no such shape", __VA_ARGS__)
@@ -114,20 +117,102 @@ void World::set_linear_velocity(BodyId body, const dvec3& velocity) {
     CAROM_REQUIRE(record->type != BodyType::Static, ErrorCode::WrongType, "static bodies have no velocity");
     CAROM_REQUIRE(is_finite(velocity), ErrorCode::NotFinite, "the velocity must be finite");
     impl_->arrays.states[body.slot].velocity = velocity;
+    impl_->keep_locks(body.slot);
 }
 void World::set_angular_velocity(BodyId body, const dvec3& velocity) {
     CAROM_FIND_BODY(body);
     CAROM_REQUIRE(record->type != BodyType::Static, ErrorCode::WrongType, "static bodies have no velocity");
     CAROM_REQUIRE(is_finite(velocity), ErrorCode::NotFinite, "the velocity must be finite");
     impl_->arrays.states[body.slot].spin = velocity;
+    impl_->keep_locks(body.slot);
 }
+void World::Impl::keep_locks(std::uint32_t slot) {
+    const unsigned char locked = arrays.masses[slot].locked;
+    if (locked == LockedAxes::None) return;
+    arrays.states[slot].velocity *= dynamics::free_moves(locked);
+    arrays.states[slot].spin *= dynamics::free_moves(static_cast<unsigned char>(locked >> 3));
+}
+
+dynamics::BodyTraits& World::Impl::traits_of(std::uint32_t slot) {
+    arrays.traits.resize(arrays.states.size());
+    return arrays.traits[slot];
+}
+
+void World::set_gravity_scale(BodyId body, double scale) {
+    CAROM_FIND_DYNAMIC(body, "only dynamic bodies have a gravity scale");
+    const char* fault = dynamics::fault_of_gravity_scale(scale);
+    CAROM_REQUIRE(fault == nullptr, ErrorCode::InvalidArgument, fault);
+    impl_->traits_of(body.slot).gravity_scale = scale;
+}
+void World::set_damping(BodyId body, double linear, double angular) {
+    CAROM_FIND_DYNAMIC(body, "only dynamic bodies are damped");
+    const char* fault = dynamics::fault_of_damping(linear, angular);
+    CAROM_REQUIRE(fault == nullptr, ErrorCode::InvalidArgument, fault);
+    dynamics::BodyTraits& traits = impl_->traits_of(body.slot);
+    traits.linear_damping = linear;
+    traits.angular_damping = angular;
+}
+void World::set_locked_axes(BodyId body, unsigned char locked) {
+    CAROM_FIND_DYNAMIC(body, "only dynamic bodies have locked axes");
+    const char* fault = dynamics::fault_of_locks(locked);
+    CAROM_REQUIRE(fault == nullptr, ErrorCode::InvalidArgument, fault);
+    static_cast<void>(impl_->traits_of(body.slot));
+    impl_->arrays.masses[body.slot].locked = locked;
+    impl_->keep_locks(body.slot);
+}
+void World::apply_force(BodyId body, const dvec3& force, const dvec3& point) {
+    CAROM_FIND_DYNAMIC(body, "only dynamic bodies take forces");
+    CAROM_REQUIRE(is_finite(force) && is_finite(point), ErrorCode::NotFinite, "force and point must be finite");
+    impl_->push(body, force, glm::cross(point - impl_->arrays.states[body.slot].pose.position, force));
+}
+void World::apply_torque(BodyId body, const dvec3& torque) {
+    CAROM_FIND_DYNAMIC(body, "only dynamic bodies take torques");
+    CAROM_REQUIRE(is_finite(torque), ErrorCode::NotFinite, "the torque must be finite");
+    impl_->push(body, dvec3{0.0}, torque);
+}
+void World::Impl::push(BodyId body, const dvec3& force, const dvec3& torque) {
+    const dynamics::BodyMass& mass = arrays.masses[body.slot];
+    const dynamics::BodyTraits old = arrays.traits.empty() ? dynamics::BodyTraits{} : arrays.traits[body.slot];
+    const dvec3 all = old.force + force, all_torque = old.torque + torque;
+    const dvec3 turn = dynamics::world_inverse_inertia(arrays.states[body.slot], mass) * all_torque;
+    CAROM_REQUIRE(glm::length(mass.inverse_mass * all) <= dynamics::kMostSpeed && glm::length(turn) <= dynamics::kMostSpeed,
+                  ErrorCode::InvalidArgument, "the force or the torque is too large for the body");
+    traits_of(body.slot).force = all;
+    traits_of(body.slot).torque = all_torque;
+    pushed = true;
+}
+
+dynamics::FreeMotion World::Impl::free_motion(std::size_t slot) const noexcept {
+    if (arrays.roles[slot] != dynamics::Role::Dynamic) return {.spin_tolerance = def.spin_tolerance};
+    if (arrays.traits.empty()) return {.acceleration = def.gravity, .spin_tolerance = def.spin_tolerance};
+    const dynamics::BodyTraits& t = arrays.traits[slot];
+    return {arrays.acceleration(slot, def.gravity), t.torque, t.linear_damping, t.angular_damping, def.spin_tolerance};
+}
+
+double World::gravity_scale(BodyId body) const {
+    CAROM_FIND_BODY(body, 1.0);
+    return impl_->arrays.traits.empty() ? 1.0 : impl_->arrays.traits[body.slot].gravity_scale;
+}
+double World::linear_damping(BodyId body) const {
+    CAROM_FIND_BODY(body, 0.0);
+    return impl_->arrays.traits.empty() ? 0.0 : impl_->arrays.traits[body.slot].linear_damping;
+}
+double World::angular_damping(BodyId body) const {
+    CAROM_FIND_BODY(body, 0.0);
+    return impl_->arrays.traits.empty() ? 0.0 : impl_->arrays.traits[body.slot].angular_damping;
+}
+unsigned char World::locked_axes(BodyId body) const {
+    CAROM_FIND_BODY(body, LockedAxes::None);
+    return impl_->arrays.masses[body.slot].locked;
+}
+
 void World::apply_impulse(BodyId body, const dvec3& impulse, const dvec3& point) {
     CAROM_FIND_BODY(body);
     CAROM_REQUIRE(record->type == BodyType::Dynamic, ErrorCode::WrongType, "only dynamic bodies take impulses");
     CAROM_REQUIRE(is_finite(impulse) && is_finite(point), ErrorCode::NotFinite, "impulse and point must be finite");
     dynamics::BodyState& state = impl_->arrays.states[body.slot];
     const dynamics::BodyMass& mass = impl_->arrays.masses[body.slot];
-    const dvec3 velocity = state.velocity + mass.inverse_mass * impulse;
+    const dvec3 velocity = state.velocity + mass.inverse_mass * (dynamics::free_moves(mass.locked) * impulse);
     const dvec3 spin =
         state.spin + dynamics::world_inverse_inertia(state, mass) * glm::cross(point - state.pose.position, impulse);
     CAROM_REQUIRE(is_finite(velocity) && is_finite(spin), ErrorCode::InvalidArgument, "the impulse is too large for the body");

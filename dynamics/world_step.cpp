@@ -14,22 +14,6 @@ namespace {
 
 constexpr std::size_t kBodyGrain = 128;
 
-/// Moves every body that no contact holds, and the kinematic ones, over the whole step at once.
-void integrate_free_bodies(dynamics::BodyArrays& bodies, const dynamics::ContactSolver& solver, const dynamics::DirectIslands& direct,
-                           bool contacts, const dynamics::Motion& motion, Executor& executor) {
-    executor.parallel_for(bodies.roles.size(), kBodyGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t slot = begin; slot < end; ++slot) {
-            const Role role = bodies.roles[slot];
-            const auto number = static_cast<std::uint32_t>(slot);
-            const bool held = contacts && (solver.holds(number) || direct.holds(number));
-            if (role == Role::Kinematic || (role == Role::Dynamic && !held)) {
-                const dvec3 pull = role == Role::Dynamic ? motion.gravity : dvec3{0.0};
-                dynamics::integrate_free(bodies.states[slot], bodies.masses[slot], pull, motion.dt);
-            }
-        }
-    });
-}
-
 void count_contacts(StepReport& report, const dynamics::ContactSet& contacts, const dynamics::ContactSolver& solver) {
     const dynamics::ContactSummary summary = dynamics::summarise(contacts);
     report.manifolds = contacts.manifolds.size();
@@ -49,6 +33,24 @@ Balance operator-(const Balance& after, const Balance& before) {
 }
 
 }  // namespace
+
+// Moves every body that no contact holds, and the kinematic ones, over the whole step at once.
+void World::Impl::integrate_free_bodies(bool looked, double dt) {
+    executor().parallel_for(arrays.roles.size(), kBodyGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t slot = begin; slot < end; ++slot) {
+            const Role role = arrays.roles[slot];
+            const auto number = static_cast<std::uint32_t>(slot);
+            const bool held = looked && (solver.holds(number) || direct.holds(number));
+            if (role != Role::Kinematic && (role != Role::Dynamic || held)) continue;
+            dynamics::integrate_free(arrays.states[slot], arrays.masses[slot], free_motion(slot), dt);
+        }
+    });
+}
+
+void World::Impl::forget_pushes() {
+    if (!std::exchange(pushed, false)) return;
+    for (dynamics::BodyTraits& traits : arrays.traits) traits.force = traits.torque = dvec3{0.0};
+}
 
 void World::Impl::quarantine_unusable(double dt, StepReport& report) {
     last_valid.resize(arrays.states.size());
@@ -120,6 +122,11 @@ StepReport World::step(double dt) {
             dynamics::link_manifolds(w.contacts, [&](std::uint32_t i) { return dynamics::contact_pair(w.proxies, w.candidates[i]); });
             dynamics::carry_impulses(w.contacts, w.previous, w.impulse_scale(dt));
         });
+        if (choices.restitution) {
+            step.run(Stage::Restitution, [&] { w.impacts.run(w.contacts, w.proxies, w.arrays, motion); });
+            step.report.impacts = w.impacts.count();
+            step.report.impacts_left = w.impacts.left();
+        }
         const dynamics::DirectStep direct_step = w.direct_step(dt);
         const dynamics::DirectWorld islands{w.contacts, w.proxies, w.arrays};
         bool stiff = false;
@@ -135,11 +142,12 @@ StepReport World::step(double dt) {
             step.run(Stage::Positions, [&] { w.solver.integrate_positions(executor); });
             if (w.def.relax) step.run(Stage::Relax, [&] { w.solver.solve(false, executor); });
         }
-        if (choices.restitution) step.run(Stage::Restitution, [&] { w.solver.restitute(executor); });
         step.run(Stage::Store, [&] { w.solver.store(w.arrays, w.contacts, executor); });
         count_contacts(step.report, w.contacts, w.solver);
     }
-    step.run(Stage::Positions, [&] { integrate_free_bodies(w.arrays, w.solver, w.direct, choices.contacts, motion, executor); });
+    step.run(Stage::Positions, [&] { w.integrate_free_bodies(choices.contacts, dt); });
+    if (choices.contacts && choices.restitution) step.run(Stage::Restitution, [&] { w.impacts.place(w.arrays); });
+    w.forget_pushes();
     step.run(Stage::Quarantine, [&] { w.quarantine_unusable(dt, step.report); });
 
     w.last_substep = dt / w.def.substeps;

@@ -7,6 +7,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <array>
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
@@ -67,6 +69,33 @@ void check_mass(const Node& node, const std::vector<FileShape>& shapes) {
     if (!valid) fail_at(node, valid.error().code, valid.error().message);
 }
 
+unsigned char read_locked(const Node& node) {
+    unsigned char locked = LockedAxes::None;
+    for (std::size_t i = 0; i < detail::array(node).size(); ++i) {
+        const std::string& name = detail::text(element(node, i));
+        constexpr std::array<const char*, 6> kNames{"move_x", "move_y", "move_z", "turn_x", "turn_y", "turn_z"};
+        const auto found = std::ranges::find(kNames, name);
+        if (found == kNames.end()) {
+            fail_at(element(node, i), ErrorCode::UnknownName, fmt::format("\"{}\" is none of \"move_x\" .. \"turn_z\"", name));
+        }
+        locked = static_cast<unsigned char>(locked | 1u << (found - kNames.begin()));
+    }
+    return locked;
+}
+
+/// What only dynamic bodies have.
+void read_traits(Fields& fields, BodyDef& def) {
+    const auto find = [&](const char* key) {
+        auto given = fields.find(key);
+        if (given && def.type != BodyType::Dynamic) fail_at(*given, ErrorCode::InvalidArgument, "of dynamic bodies only");
+        return given;
+    };
+    if (const auto given = find("gravity_scale")) def.gravity_scale = detail::number(*given, -1e6, 1e6);
+    if (const auto given = find("linear_damping")) def.linear_damping = detail::number(*given, 0.0, 1e9);
+    if (const auto given = find("angular_damping")) def.angular_damping = detail::number(*given, 0.0, 1e9);
+    if (const auto given = find("locked")) def.locked = read_locked(*given);
+}
+
 FileBody read_body(const Node& node) {
     Fields fields(node);
     FileBody body;
@@ -82,6 +111,7 @@ FileBody read_body(const Node& node) {
         if (body.def.type == BodyType::Static) fail_at(*given, ErrorCode::InvalidArgument, "static bodies do not move");
         body.def.angular_velocity = detail::vector(*given);
     }
+    read_traits(fields, body.def);
     const Node shapes = fields.require("shapes");
     fields.done();
     for (std::size_t i = 0; i < detail::array(shapes).size(); ++i) {

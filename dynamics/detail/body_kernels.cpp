@@ -23,7 +23,7 @@ HWY_INLINE void list_rows(std::size_t first, std::size_t end, std::int32_t (&row
     store(select(next < last, next, last), rows);
 }
 
-void Kick(SolverBodies& all, std::size_t begin, std::size_t end, const float (&change)[3], bool again) {
+void Kick(SolverBodies& all, std::size_t begin, std::size_t end, bool again) {
     auto* const bodies = reinterpret_cast<float*>(all.bodies.data());
     auto* const bases = reinterpret_cast<float*>(all.bases.data());
     const Mask carry = again ? first_lanes(kLanes) : first_lanes(0);
@@ -31,17 +31,17 @@ void Kick(SolverBodies& all, std::size_t begin, std::size_t end, const float (&c
     for (std::size_t first = begin; first < end; first += static_cast<std::size_t>(kLanes)) {
         alignas(64) std::int32_t rows[kLanes];
         list_rows(first, end, rows);
-        Floats vx, vy, vz, wx, wy, wz, bx, by, bz, cx, cy, cz, gx, gy, gz, unused;
+        Floats vx, vy, vz, wx, wy, wz, bx, by, bz, cx, cy, cz, gx, gy, gz, kx, ky, kz, unused;
         gather_rows(bodies, rows, kBodyStride, 0, vx, vy, vz, unused);
         gather_rows(bodies, rows, kBodyStride, 4, wx, wy, wz, unused);
-        gather_rows(bases, rows, kBaseStride, 0, bx, by, bz, unused);
-        gather_rows(bases, rows, kBaseStride, 4, cx, cy, cz, unused);
-        gather_rows(bases, rows, kBaseStride, 8, gx, gy, gz, unused);
+        gather_rows(bases, rows, kBaseStride, 0, bx, by, bz, kx);
+        gather_rows(bases, rows, kBaseStride, 4, cx, cy, cz, ky);
+        gather_rows(bases, rows, kBaseStride, 8, gx, gy, gz, kz);
         const Floats3 v{vx, vy, vz}, w{wx, wy, wz}, none{zero, zero, zero};
         const Floats3 pushed = select(carry, v - Floats3{bx, by, bz}, none), turned = select(carry, w - Floats3{cx, cy, cz}, none);
-        const Floats3 base = v + Floats3{Floats(change[0]), Floats(change[1]), Floats(change[2])}, spin = w + Floats3{gx, gy, gz};
-        scatter_rows(bases, rows, kBaseStride, 0, base.x, base.y, base.z, zero);
-        scatter_rows(bases, rows, kBaseStride, 4, spin.x, spin.y, spin.z, zero);
+        const Floats3 base = v + Floats3{kx, ky, kz}, spin = w + Floats3{gx, gy, gz};
+        scatter_rows(bases, rows, kBaseStride, 0, base.x, base.y, base.z, kx);
+        scatter_rows(bases, rows, kBaseStride, 4, spin.x, spin.y, spin.z, ky);
         const Floats3 velocity = base + pushed, spun = spin + turned;
         scatter_rows(bodies, rows, kBodyStride, 0, velocity.x, velocity.y, velocity.z, zero);
         scatter_rows(bodies, rows, kBodyStride, 4, spun.x, spun.y, spun.z, zero);
@@ -80,8 +80,8 @@ HWY_EXPORT(Advance);
 
 namespace dynamics {
 
-void kick(SolverBodies& bodies, std::size_t begin, std::size_t end, const float (&velocity_change)[3], WarmStart warm_start) {
-    HWY_DYNAMIC_DISPATCH(Kick)(bodies, begin, end, velocity_change, warm_start == WarmStart::Again);
+void kick(SolverBodies& bodies, std::size_t begin, std::size_t end, WarmStart warm_start) {
+    HWY_DYNAMIC_DISPATCH(Kick)(bodies, begin, end, warm_start == WarmStart::Again);
 }
 
 void advance(SolverBodies& bodies, std::size_t begin, std::size_t end, float h) {

@@ -33,9 +33,9 @@ struct alignas(32) SolverMass {
 
 /// What a substep starts from, before any impulse of its contacts, and the kick that each brings.
 struct alignas(16) SolverBase {
-    float velocity[4] = {};
-    float spin[4] = {};
-    float gyroscopic[4] = {};  ///< change of spin a substep [rad/s]
+    float velocity[4] = {};    ///< and the kick along x [m/s]
+    float spin[4] = {};        ///< and the kick along y
+    float gyroscopic[4] = {};  ///< change of spin a substep [rad/s], and the kick along z
 };
 
 struct alignas(64) PointLanes {
@@ -47,21 +47,19 @@ struct alignas(64) PointLanes {
     Wide<float> normal_impulse{};        ///< accumulated over a substep [N s]
     Wide<float> tangent_impulse_1{}, tangent_impulse_2{};
     Wide<float> gap{};                   ///< separation where the bodies are, as the last pass found it [m]
-    Wide<float> approach{};              ///< normal velocity at the start of the step [m/s], negative: approaching
-    Wide<float> peak_impulse{};          ///< largest normal impulse of the step's substeps, where the bundle bounces
 };
 
 struct alignas(64) ContactBundle {
     Wide<std::int32_t> row_a{}, row_b{};  ///< rows of SolverBody; unused lanes point at the row that never moves
     Wide<float> nx{}, ny{}, nz{};         ///< normal from A to B
-    Wide<float> friction{}, restitution{};
+    Wide<float> friction{};
+    Wide<float> turns_a{}, turns_b{};     ///< 0 where the body is a ball: its contact point does not turn with it; 1 elsewhere
     Wide<float> bias_rate{}, mass_scale{}, impulse_scale{};  ///< soft contact (see soft_contact)
     Wide<float> push_limit{};             ///< overlap is removed at this speed at most [m/s]
     std::array<PointLanes, 4> points{};
     Wide<std::uint32_t> manifold{};       ///< index of the manifold; kUnusedLane where there is none
     std::int32_t point_count = 0;         ///< the largest of its lanes
     std::int32_t deep = 0;                ///< points whose push-out is limited
-    bool bounces = false;                 ///< some lane has restitution
 };
 inline constexpr std::uint32_t kUnusedLane = ~std::uint32_t{0};
 

@@ -29,12 +29,12 @@ struct Displacement {
     }
 };
 
-CAROM_PASS_INLINE Displacement read_displacement(const SolverBodies& all, const std::int32_t* rows) {
+CAROM_PASS_INLINE Displacement read_displacement(const SolverBodies& all, const std::int32_t* rows, Floats turns) {
     const float* body = reinterpret_cast<const float*>(all.bodies.data());
     Floats sx, sy, sz, tx, ty, tz, tw, unused;
     gather_rows(body, rows, kBodyStride, 8, sx, sy, sz, unused);
     gather_rows(body, rows, kBodyStride, 12, tx, ty, tz, tw);
-    return {{sx, sy, sz}, {tx, ty, tz}, tw};
+    return {{sx, sy, sz}, {turns * tx, turns * ty, turns * tz}, tw};
 }
 
 HWY_INLINE Displacement no_displacement() {
@@ -99,7 +99,7 @@ struct SoftLanes {
 };
 
 template <bool kBias>
-CAROM_PASS_INLINE void solve_normal(PointLanes& p, int lane, const SoftLanes& soft, const SolveSettings& settings, bool bounces,
+CAROM_PASS_INLINE void solve_normal(PointLanes& p, int lane, const SoftLanes& soft, const SolveSettings& settings,
                   const Basis& basis, Bodies& a, Bodies& b) {
     const Floats separation = get(p.gap, lane);
     const Floats zero = broadcast(0.0f);
@@ -132,7 +132,6 @@ CAROM_PASS_INLINE void solve_normal(PointLanes& p, int lane, const SoftLanes& so
     }
     const Floats accumulated = max(old + change, zero);
     put(p.normal_impulse, lane, accumulated);
-    if (bounces) put(p.peak_impulse, lane, max(get(p.peak_impulse, lane), accumulated));  // which restitution alone asks for
     const Floats3 impulse = (accumulated - old) * basis.n;
     a.pull(impulse, ra);
     b.push(impulse, rb);
@@ -145,8 +144,8 @@ void solve_bundle(ContactBundle& c, SolverBodies& all, const SolveSettings& sett
     const std::int32_t* rows_b = c.row_b.data() + lane;
     Bodies a = read_bodies(all, rows_a);
     Bodies b = read_bodies(all, rows_b);
-    const Displacement da = kGapsKnown ? no_displacement() : read_displacement(all, rows_a);
-    const Displacement db = kGapsKnown ? no_displacement() : read_displacement(all, rows_b);
+    const Displacement da = kGapsKnown ? no_displacement() : read_displacement(all, rows_a, get(c.turns_a, lane));
+    const Displacement db = kGapsKnown ? no_displacement() : read_displacement(all, rows_b, get(c.turns_b, lane));
     const Basis basis = make_basis(c, lane);
     const Floats friction = get(c.friction, lane);
     const SoftLanes soft{get(c.bias_rate, lane), get(c.mass_scale, lane), get(c.impulse_scale, lane),
@@ -160,36 +159,10 @@ void solve_bundle(ContactBundle& c, SolverBodies& all, const SolveSettings& sett
     for (int k = 0; k < c.point_count; ++k) {
         PointLanes& p = c.points[static_cast<std::size_t>(k)];
         if constexpr (!kGapsKnown) put(p.gap, lane, dot(db.at(lever_b(p, lane)) - da.at(lever_a(p, lane)), basis.n) + get(p.separation, lane));
-        solve_normal<kBias>(p, lane, soft, settings, c.bounces, basis, a, b);
+        solve_normal<kBias>(p, lane, soft, settings, basis, a, b);
     }
     write_bodies(all, rows_a, a);
     write_bodies(all, rows_b, b);
-}
-
-void restitute_bundle(ContactBundle& c, SolverBodies& all, float threshold, int lane) {
-    const Floats zero = broadcast(0.0f);
-    const Floats restitution = get(c.restitution, lane);
-    Bodies a = read_bodies(all, c.row_a.data() + lane);
-    Bodies b = read_bodies(all, c.row_b.data() + lane);
-    const Floats3 n{get(c.nx, lane), get(c.ny, lane), get(c.nz, lane)};
-    for (int k = 0; k < c.point_count; ++k) {
-        PointLanes& p = c.points[static_cast<std::size_t>(k)];
-        const Floats approach = get(p.approach, lane);
-        const Mask bounces =
-            (restitution > zero) & (approach < broadcast(-threshold)) & (get(p.peak_impulse, lane) > zero);
-        const Floats3 ra = lever_a(p, lane);
-        const Floats3 rb = lever_b(p, lane);
-        const Floats vn = dot(b.velocity_at(rb) - a.velocity_at(ra), n);
-        const Floats old = get(p.normal_impulse, lane);
-        const Floats wanted = max(old - get(p.normal_mass, lane) * (vn + restitution * approach), zero);
-        const Floats accumulated = select(bounces, wanted, old);
-        put(p.normal_impulse, lane, accumulated);
-        const Floats3 impulse = (accumulated - old) * n;
-        a.pull(impulse, ra);
-        b.push(impulse, rb);
-    }
-    write_bodies(all, c.row_a.data() + lane, a);
-    write_bodies(all, c.row_b.data() + lane, b);
 }
 
 void WarmStart(std::span<ContactBundle> bundles, SolverBodies& bodies) {
@@ -210,13 +183,6 @@ void Solve(std::span<ContactBundle> bundles, SolverBodies& bodies, const SolveSe
     }
 }
 
-void Restitute(std::span<ContactBundle> bundles, SolverBodies& bodies, float threshold) {
-    for (ContactBundle& c : bundles) {
-        if (!c.bounces) continue;  // for the whole bundle, so that every width treats its lanes alike
-        for (int lane = 0; lane < kBundleWidth; lane += kLanes) restitute_bundle(c, bodies, threshold, lane);
-    }
-}
-
 }  // namespace
 }  // namespace carom::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -225,7 +191,6 @@ HWY_AFTER_NAMESPACE();
 namespace carom {
 HWY_EXPORT(WarmStart);
 HWY_EXPORT(Solve);
-HWY_EXPORT(Restitute);
 
 namespace dynamics {
 
@@ -243,10 +208,6 @@ void warm_start(std::span<ContactBundle> bundles, SolverBodies& bodies) {
 
 void solve(std::span<ContactBundle> bundles, SolverBodies& bodies, const SolveSettings& settings) {
     HWY_DYNAMIC_DISPATCH(Solve)(bundles, bodies, settings);
-}
-
-void restitute(std::span<ContactBundle> bundles, SolverBodies& bodies, float threshold) {
-    HWY_DYNAMIC_DISPATCH(Restitute)(bundles, bodies, threshold);
 }
 
 }  // namespace dynamics

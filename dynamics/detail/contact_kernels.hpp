@@ -29,7 +29,4 @@ void warm_start(std::span<ContactBundle> bundles, SolverBodies& bodies);
 /// One Gauss-Seidel pass: friction, then the normal, of each point in turn.
 void solve(std::span<ContactBundle> bundles, SolverBodies& bodies, const SolveSettings& settings);
 
-/// Newton's impact law at points that pushed and approached faster than `threshold` [m/s].
-void restitute(std::span<ContactBundle> bundles, SolverBodies& bodies, float threshold);
-
 }  // namespace carom::dynamics

@@ -75,12 +75,10 @@ CAROM_PASS_INLINE void prepare_point(PointLanes& p, int lane, const WideManifold
     const Floats off_diagonal = k12 / scale;
     const Floats largest = trace * (broadcast(0.5f) + sqrt(half_difference * half_difference + off_diagonal * off_diagonal));
     put(p.tangent_mass, lane, inverse_or_zero(largest, used));
-    put(p.approach, lane, dot(b.velocity_at(rb) - a.velocity_at(ra), basis.n));
     put(p.separation, lane, point.separation - dot(rb - ra, basis.n));
     put(p.normal_impulse, lane, point.normal_impulse);
     put(p.tangent_impulse_1, lane, dot(point.friction_impulse, basis.t1));
     put(p.tangent_impulse_2, lane, dot(point.friction_impulse, basis.t2));
-    put(p.peak_impulse, lane, zero);
 }
 
 CAROM_PASS_INLINE Ints manifold_numbers(const ContactBundle& c, int lane) {
@@ -93,17 +91,20 @@ CAROM_PASS_INLINE WideManifold read_manifold(ContactBundle& c, int lane, const P
     alignas(64) std::int32_t row[kLanes];
     store(select(unused, Ints{static_cast<std::int32_t>(in.rows.size() - 1)}, number), row);
     const float* const rows = in.rows.data()->normal;
-    Floats nx, ny, nz, push_limit, ox, oy, oz, friction, px, py, pz, restitution, row_a, row_b, count, fixed;
+    Floats nx, ny, nz, push_limit, ox, oy, oz, friction, px, py, pz, round, row_a, row_b, count, fixed;
     gather_rows(rows, row, kRowStride, 0, nx, ny, nz, push_limit);
     gather_rows(rows, row, kRowStride, 4, ox, oy, oz, friction);
-    gather_rows(rows, row, kRowStride, 8, px, py, pz, restitution);
+    gather_rows(rows, row, kRowStride, 8, px, py, pz, round);
     gather_rows(rows, row, kRowStride, 12, row_a, row_b, count, fixed);
     store(as_ints(row_a), c.row_a.data() + lane);
     store(as_ints(row_b), c.row_b.data() + lane);
     put(c.nx, lane, nx), put(c.ny, lane, ny), put(c.nz, lane, nz);
     put(c.push_limit, lane, push_limit);
     put(c.friction, lane, friction);
-    put(c.restitution, lane, restitution);
+    const Ints balls = as_ints(round);
+    const Floats none = broadcast(0.0f), one = broadcast(1.0f);
+    put(c.turns_a, lane, select((balls != Ints{1}) & (balls != Ints{3}), one, none));
+    put(c.turns_b, lane, select((balls != Ints{2}) & (balls != Ints{3}), one, none));
     const Mask meets_fixed = as_ints(fixed) != Ints{0};
     const Floats zero = broadcast(0.0f);
     const auto soft = [&](float among_moving, float with_fixed, Floats in_unused) {
@@ -112,7 +113,6 @@ CAROM_PASS_INLINE WideManifold read_manifold(ContactBundle& c, int lane, const P
     put(c.bias_rate, lane, soft(in.soft.bias_rate, in.soft_fixed.bias_rate, zero));
     put(c.mass_scale, lane, soft(in.soft.mass_scale, in.soft_fixed.mass_scale, broadcast(1.0f)));
     put(c.impulse_scale, lane, soft(in.soft.impulse_scale, in.soft_fixed.impulse_scale, zero));
-    c.bounces |= any(restitution > zero);
     return {{ox, oy, oz}, {px, py, pz}, select(unused, Ints{0}, number), as_ints(count)};
 }
 
@@ -129,7 +129,6 @@ CAROM_PASS_INLINE WidePoint read_point(const WideManifold& m, const std::int32_t
 }
 
 void prepare_bundle(ContactBundle& c, const PrepareInput& in) {
-    c.bounces = false;
     c.point_count = 0;
     c.deep = 0;
     for (int lane = 0; lane < kBundleWidth; lane += kLanes) {

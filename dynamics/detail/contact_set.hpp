@@ -19,6 +19,7 @@ struct ContactPair {
     BodyId body_a, body_b;
     std::uint32_t proxy_a = 0, proxy_b = 0;  ///< slots of the shapes
     std::uint32_t first_manifold = 0, manifold_count = 0;
+    bool flies = false;  ///< the two bounce or pass, and nothing holds either: not the solver's (impacts.hpp)
 };
 
 /// Impulses of one contact point, in the order of the manifold's points [N s].

@@ -24,6 +24,19 @@ void set(float (&out)[n], const dvec3& v) {
 
 dvec3 as_dvec3(const float (&v)[4]) { return {v[0], v[1], v[2]}; }
 
+/// What a substep changes the velocities of a row by, contacts apart.
+void set_kick(SolverBase& base, const BodyArrays& bodies, std::uint32_t slot, const SolverSettings& settings) {
+    const BodyState& state = bodies.states[slot];
+    const BodyMass& mass = bodies.masses[slot];
+    dvec3 turn = gyroscopic_change(state, mass, settings.dt) / static_cast<double>(settings.substeps);
+    if (!bodies.traits.empty()) turn += world_inverse_inertia(state, mass) * bodies.traits[slot].torque * settings.substep();
+    set(base.gyroscopic, turn);
+    const dvec3 kick = free_moves(mass.locked) * bodies.acceleration(slot, settings.gravity) * settings.substep();
+    base.velocity[3] = static_cast<float>(kick.x);
+    base.spin[3] = static_cast<float>(kick.y);
+    base.gyroscopic[3] = static_cast<float>(kick.z);
+}
+
 /// The double of what the float row held at the start: differences against it keep the low bits of the state.
 dvec3 rounded(const dvec3& v) { return dvec3{vec3{v}}; }
 
@@ -40,6 +53,7 @@ void ContactSolver::prepare(const ContactSet& contacts, std::span<const unsigned
 
     assign_rows(contacts, held, bodies);
     fill_rows(bodies, executor);
+    rules_.list(bodies, slot_of_row_, rows_.movable, h);
     fill_sides(proxies, bodies, executor);
     fill_manifold_rows(contacts, executor);
     coloring_.color(contact_rows_, rows_.movable);
@@ -57,6 +71,7 @@ void ContactSolver::assign_rows(const ContactSet& contacts, std::span<const unsi
     constexpr std::int32_t kTouched = -2;
     row_of_slot_.assign(bodies.roles.size(), kNoRow);
     for (const ContactPair& pair : contacts.pairs) {
+        if (pair.flies) continue;
         for (const std::uint32_t slot : {pair.body_a.slot, pair.body_b.slot}) {
             if (bodies.roles[slot] != Role::Static) row_of_slot_[slot] = kTouched;
         }
@@ -92,7 +107,7 @@ void ContactSolver::fill_rows(const BodyArrays& bodies, Executor& executor) {
             set(m.diagonal, {inertia[0][0], inertia[1][1], inertia[2][2]});
             m.diagonal[3] = static_cast<float>(mass.inverse_mass);
             set(m.others, {inertia[0][1], inertia[0][2], inertia[1][2]});
-            set(rows_.bases[row].gyroscopic, gyroscopic_change(state, mass, settings_.dt) / static_cast<double>(settings_.substeps));
+            set_kick(rows_.bases[row], bodies, slot_of_row_[row], settings_);
         }
     });
 }
@@ -108,9 +123,10 @@ void ContactSolver::fill_sides(const ProxySet& proxies, const BodyArrays& bodies
             sides_[slot] = {.origin = proxies.poses[slot].position,
                             .centre = bodies.states[proxy.body].pose.position,
                             .extent = proxy.extent,
-                            .surface = {proxy.friction, proxy.restitution},
+                            .surface = proxy.surface,
                             .compound = compound_of(proxy.shape),
                             .row = row == kNoRow ? static_cast<std::int32_t>(slot_of_row_.size()) : row,
+                            .is_ball = type_of(proxy.shape) == ShapeType::Sphere && proxy.local.position == dvec3{0.0},
                             .is_static = bodies.roles[proxy.body] == Role::Static};
         }
     });
@@ -142,8 +158,8 @@ ManifoldRow ContactSolver::row_of(const Manifold& manifold, const Side& a, const
     row.push_limit = static_cast<float>(settings_.max_push * std::min(a.extent, b.extent) / settings_.dt);
     const Surface surface_a = surface_of_part(a.surface, a.compound, manifold.part_a);
     const Surface surface_b = surface_of_part(b.surface, b.compound, manifold.part_b);
-    row.friction = std::sqrt(surface_a.friction * surface_b.friction);
-    row.restitution = std::max(surface_a.restitution, surface_b.restitution);
+    row.friction = combine(surface_a.friction, surface_b.friction, surface_a.friction_rule, surface_b.friction_rule, CombineRule::GeometricMean);
+    row.round = (a.is_ball ? 1 : 0) + (b.is_ball ? 2 : 0);
     row.row_a = a.row;
     row.row_b = b.row;
     row.count = static_cast<std::int32_t>(manifold.count);
@@ -193,11 +209,10 @@ void ContactSolver::lay_out_bundles() {
 }
 
 void ContactSolver::integrate_velocities(WarmStart warm_start, Executor& executor) {
-    float change[3];
-    set(change, settings_.gravity * settings_.substep());
     executor.parallel_for(static_cast<std::size_t>(rows_.movable), kBodyGrain, [&](std::size_t begin, std::size_t end) {
-        kick(rows_, begin, end, change, warm_start);
+        kick(rows_, begin, end, warm_start);
     });
+    rules_.damp(rows_);
 }
 
 template <class Pass>
@@ -214,11 +229,13 @@ void ContactSolver::for_each_color(Executor& executor, const Pass& pass) {
 
 void ContactSolver::warm_start(Executor& executor) {
     for_each_color(executor, [&](std::span<ContactBundle> bundles) { dynamics::warm_start(bundles, rows_); });
+    rules_.lock(rows_);
 }
 
 void ContactSolver::solve(bool bias, Executor& executor) {
     const SolveSettings settings{.inverse_h = static_cast<float>(1.0 / settings_.substep()), .bias = bias, .gaps_known = gaps_known_};
     for_each_color(executor, [&](std::span<ContactBundle> bundles) { dynamics::solve(bundles, rows_, settings); });
+    rules_.lock(rows_);
     gaps_known_ = true;
 }
 
@@ -228,12 +245,6 @@ void ContactSolver::integrate_positions(Executor& executor) {
     executor.parallel_for(slot_of_row_.size(), kBodyGrain, [&](std::size_t begin, std::size_t end) {
         advance(rows_, begin, end, h);
     });
-}
-
-void ContactSolver::restitute(Executor& executor) {
-    // A body at rest falls by g dt in a step: anything up to a few times that is no impact.
-    const auto threshold = static_cast<float>(4.0 * glm::length(settings_.gravity) * settings_.dt);
-    for_each_color(executor, [&](std::span<ContactBundle> bundles) { dynamics::restitute(bundles, rows_, threshold); });
 }
 
 void ContactSolver::store(BodyArrays& bodies, ContactSet& contacts, Executor& executor) const {

@@ -15,6 +15,7 @@
 #include <carom/dynamics/detail/contact_set.hpp>
 #include <carom/dynamics/detail/part_surface.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
+#include <carom/dynamics/detail/row_rules.hpp>
 
 #include <cstdint>
 #include <span>
@@ -44,7 +45,6 @@ public:
     void warm_start(Executor& executor);
     void solve(bool bias, Executor& executor);
     void integrate_positions(Executor& executor);
-    void restitute(Executor& executor);
 
     /// Writes the bodies' new states and the contacts' impulses back.
     void store(BodyArrays& bodies, ContactSet& contacts, Executor& executor) const;
@@ -64,6 +64,7 @@ private:
         Surface surface;
         const Compound* compound = nullptr;  ///< whose parts may have surfaces of their own
         std::int32_t row = 0;
+        bool is_ball = false;  ///< a sphere about the centre of mass: it looks the same however it turns
         bool is_static = false;
     };
     void assign_rows(const ContactSet& contacts, std::span<const unsigned char> held, const BodyArrays& bodies);
@@ -81,6 +82,7 @@ private:
     bool gaps_known_ = false;  ///< of the points in the bundles: no body has moved since
     SoftContact soft_, soft_fixed_;
     SolverBodies rows_;
+    RowRules rules_;
     std::vector<std::uint32_t> slot_of_row_;
     std::vector<std::int32_t> row_of_slot_;
     std::vector<Side> sides_;                  // by slot of shapes

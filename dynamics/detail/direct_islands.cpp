@@ -37,6 +37,17 @@ double least_load(const ContactPair& pair, const BodyArrays& bodies, const dvec3
     return std::max(glm::length(gravity) / inverse, kLeastOfIsland * most);
 }
 
+/// Whether gravity alone moves the bodies: what bounces, is damped, pushed or locked is the soft solver's.
+bool is_plain(const DirectWorld& world, std::span<const std::uint32_t> bodies, std::span<const std::uint32_t> manifolds) {
+    for (const std::uint32_t m : manifolds) {
+        if (world.contacts.pairs[world.contacts.manifolds[m].pair].flies) return false;
+    }
+    if (world.bodies.traits.empty()) return true;
+    return std::ranges::all_of(bodies, [&](std::uint32_t slot) {
+        return world.bodies.masses[slot].locked == LockedAxes::None && world.bodies.traits[slot] == BodyTraits{};
+    });
+}
+
 SagLaw law_of(const DirectStep& step) { return {step.gravity, step.dt, step.substep(), step.contact_rate, kSagShare}; }
 
 }  // namespace
@@ -86,6 +97,7 @@ void DirectIslands::leave_alone(Memory& memory, std::uint64_t most) const noexce
 
 void DirectIslands::consider(const Island& island, const DirectWorld& world, const DirectStep& step, const DirectChoice& choice) {
     const std::span<const std::uint32_t> bodies = links_.bodies(island), manifolds = links_.manifolds(island);
+    if (!is_plain(world, bodies, manifolds)) return;
     const IslandShape shape = look_at_island(world, bodies, manifolds, step);
     // An impact presses harder than the island weighs, but not for long.
     const SagLaw law = law_of(step);

@@ -28,10 +28,11 @@ struct Surfaces {
 Surfaces surfaces_of(const ProxySet& proxies, const ContactPair& pair, const Manifold& manifold) {
     const auto surface = [&](std::uint32_t slot, std::uint16_t part) {
         const Proxy& proxy = proxies.by_slot[slot];
-        return surface_of_part({proxy.friction, proxy.restitution}, compound_of(proxy.shape), part);
+        return surface_of_part(proxy.surface, compound_of(proxy.shape), part);
     };
     const Surface a = surface(pair.proxy_a, manifold.part_a), b = surface(pair.proxy_b, manifold.part_b);
-    return {static_cast<double>(std::sqrt(a.friction * b.friction)), static_cast<double>(std::max(a.restitution, b.restitution))};
+    const Surface met = combine(a, b);
+    return {static_cast<double>(met.friction), static_cast<double>(met.restitution)};
 }
 
 dvec3 point_velocity(const BodyState& state, const dvec3& at) { return state.velocity + glm::cross(state.spin, at - state.pose.position); }

@@ -3,102 +3,106 @@
 #include <carom/core/check.hpp>
 #include <carom/core/math.hpp>
 
-#include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace carom::dynamics {
 namespace {
 
-constexpr double kSmallTurn = 1.0 / 40.0;  // [rad] in one step: below it, Euler's equations to second order
+constexpr double kSmallTurn = 1.0 / 40.0;     // [rad] in one step: below it, Euler's equations to second order
+constexpr double kContactTolerance = 1e-3;
 
-/// One factor of the splitting: free rotation about body axis i for `dt`. L (body axes) turns the other way.
-template <int i>
-void turn_about_axis(dquat& orientation, dvec3& momentum, const dvec3& inverse_moments, double dt) noexcept {
-    constexpr int j = (i + 1) % 3;
-    constexpr int k = (i + 2) % 3;
-    const double angle = dt * momentum[i] * inverse_moments[i];
-    const SinCos half = sin_cos(0.5 * angle);
-    const double c = 1.0 - 2.0 * half.sin * half.sin;
-    const double s = 2.0 * half.sin * half.cos;
-    const double mj = momentum[j];
-    const double mk = momentum[k];
-    momentum[j] = c * mj + s * mk;
-    momentum[k] = c * mk - s * mj;
-    dquat about{half.cos, 0.0, 0.0, 0.0};
-    about[i] = half.sin;  // GLM stores x, y, z, w
-    orientation = orientation * about;
+bool turns_freely(const BodyMass& mass) noexcept { return (mass.locked & kLockedTurns) == 0; }
+
+/// Turns by dt at a constant spin; then the spin that has the same angular momentum about the axes that are not locked.
+void rotate_locked(BodyState& state, const BodyMass& mass, double dt) noexcept {
+    const dvec3 momentum = angular_momentum(state, mass);
+    state.pose.orientation = glm::normalize(rotation_from_vector(state.spin * dt) * state.pose.orientation);
+    state.spin = world_inverse_inertia(state, mass) * momentum;
 }
 
-void split_rotation(dquat& q, dvec3& momentum, const BodyMass& mass, double dt, int cycles) noexcept {
-    const double h = dt / cycles;
-    for (int cycle = 0; cycle < cycles; ++cycle) {
-        turn_about_axis<0>(q, momentum, mass.inverse_moments, 0.5 * h);
-        turn_about_axis<1>(q, momentum, mass.inverse_moments, 0.5 * h);
-        turn_about_axis<2>(q, momentum, mass.inverse_moments, h);
-        turn_about_axis<1>(q, momentum, mass.inverse_moments, 0.5 * h);
-        turn_about_axis<0>(q, momentum, mass.inverse_moments, 0.5 * h);
-    }
+void turn(BodyState& state, const BodyMass& mass, double dt, double tolerance) noexcept {
+    CAROM_ASSERT(glm::length(state.spin) * std::abs(dt) <= kMostTurn);
+    if (!turns_freely(mass)) return rotate_locked(state, mass, dt);
+    Rotation turning{state.pose.orientation, state.spin};
+    rotate_free(turning, mass, dt, {.tolerance = tolerance});
+    state.pose.orientation = turning.orientation;
+    state.spin = turning.spin;
 }
 
-/// A symmetric top turns about L at |L| / I_equal while it spins about its own axis.
-void symmetric_rotation(dquat& q, const dvec3& world_momentum, const BodyMass& mass, double dt) noexcept {
-    const int axis = mass.symmetry_axis;
-    const int other = (axis + 1) % 3;
-    const dvec3 body_momentum = rotate_inverse(q, world_momentum);
-    const double inverse_equal = mass.inverse_moments[other];
-    const double own_rate = body_momentum[axis] * (mass.inverse_moments[axis] - inverse_equal);
-    dvec3 own_axis{0.0};
-    own_axis[axis] = 1.0;
-    q = rotation_from_vector(world_momentum * (inverse_equal * dt)) * q * rotation_about(own_axis, own_rate * dt);
+/// The inverse of S' I S over the free axes, zero elsewhere: constraint torques act about locked axes alone.
+dmat3 inverse_over_free(const dmat3& inertia, unsigned char locked) noexcept {
+    std::array<int, 3> axes{};
+    int count = 0;
+    for (int i = 0; i < 3; ++i) {
+        if ((locked & (LockedAxes::TurnX << i)) == 0) axes[static_cast<std::size_t>(count++)] = i;
+    }
+    dmat3 out{0.0};
+    const int i = axes[0], j = axes[1];
+    if (count == 1) out[i][i] = 1.0 / inertia[i][i];
+    if (count == 2) {
+        const double determinant = inertia[i][i] * inertia[j][j] - inertia[i][j] * inertia[j][i];
+        out[i][i] = inertia[j][j] / determinant;
+        out[j][j] = inertia[i][i] / determinant;
+        out[i][j] = out[j][i] = -inertia[i][j] / determinant;
+    }
+    return out;
 }
 
-/// Turns (orientation, spin) freely by dt, in cycles of at most `cycle_angle` where the inertia needs cycles.
-void rotate_free(dquat& q, dvec3& spin, const BodyMass& mass, double dt, double cycle_angle) noexcept {
-    const double angle = glm::length(spin) * std::abs(dt);
-    CAROM_ASSERT(angle <= kMostTurn);
-    if (mass.inertia == InertiaClass::Isotropic) {
-        q = glm::normalize(rotation_from_vector(spin * dt) * q);
-        return;
-    }
-    dvec3 body_momentum = mass.moments * rotate_inverse(q, spin);
-    if (mass.inertia == InertiaClass::Symmetric) {
-        const dvec3 world_momentum = rotate(q, body_momentum);
-        symmetric_rotation(q, world_momentum, mass, dt);
-        q = glm::normalize(q);
-        spin = rotate(q, mass.inverse_moments * rotate_inverse(q, world_momentum));
-        return;
-    }
-    const int cycles = 1 + static_cast<int>(angle / cycle_angle);
-    split_rotation(q, body_momentum, mass, dt, cycles);
-    q = glm::normalize(q);
-    spin = rotate(q, mass.inverse_moments * body_momentum);
+dmat3 in_world(const dquat& orientation, const dvec3& diagonal) noexcept {
+    const dmat3 r = glm::mat3_cast(orientation);
+    dmat3 scaled = r;
+    for (int i = 0; i < 3; ++i) scaled[i] *= diagonal[i];
+    return scaled * glm::transpose(r);
 }
 
 }  // namespace
 
-void classify_inertia(BodyMass& mass) noexcept {
-    const dvec3& m = mass.moments;
-    const double tolerance = 1e-12 * std::max({m.x, m.y, m.z});
-    int equal_pairs = 0;
-    for (int i = 0; i < 3; ++i) {
-        if (std::abs(m[(i + 1) % 3] - m[(i + 2) % 3]) <= tolerance) {
-            ++equal_pairs;
-            mass.symmetry_axis = i;
-        }
-    }
-    mass.inertia = equal_pairs == 0   ? InertiaClass::Asymmetric
-                   : equal_pairs == 1 ? InertiaClass::Symmetric
-                                      : InertiaClass::Isotropic;
+Decay decay(double x) noexcept {
+    const int halvings = x > 0.5 ? std::ilogb(x) + 2 : 0;
+    if (halvings > 16) return {0.0, 1.0 / x, (1.0 - 1.0 / x) / x};  // exp(-x) is below the least double
+    const double y = std::ldexp(x, -halvings);
+    double second = 0.0;  // Horner over sum (-y)^k / (k + 2)!
+    for (int k = 16; k >= 0; --k) second = (1.0 - y * second) / (k + 2);
+    Decay d;
+    d.second = second;
+    d.first = 1.0 - y * second;
+    d.left = 1.0 - y * d.first;
+    if (halvings == 0) return d;
+    for (int i = 0; i < halvings; ++i) d.left *= d.left;
+    d.first = (1.0 - d.left) / x;
+    d.second = (1.0 - d.first) / x;
+    return d;
 }
 
-void integrate_free(BodyState& state, const BodyMass& mass, const dvec3& acceleration, double dt) noexcept {
-    state.pose.position += (state.velocity + acceleration * (0.5 * dt)) * dt;
-    state.velocity += acceleration * dt;
-    rotate_free(state.pose.orientation, state.spin, mass, dt, kMaxCycleAngle);
+void integrate_free(BodyState& state, const BodyMass& mass, const FreeMotion& motion, double dt) noexcept {
+    const dvec3 free = free_moves(mass.locked), pull = free * motion.acceleration;
+    if (mass.locked != 0) state.velocity *= free;
+    if (motion.linear_damping == 0.0) {
+        state.pose.position += (state.velocity + pull * (0.5 * dt)) * dt;
+        state.velocity += pull * dt;
+    } else {
+        const Decay d = decay(motion.linear_damping * dt);
+        state.pose.position += (d.first * state.velocity + d.second * dt * pull) * dt;
+        state.velocity = d.left * state.velocity + d.first * dt * pull;
+    }
+    const bool twisted = motion.torque != dvec3{0.0};
+    const Decay d = motion.angular_damping == 0.0 ? Decay{} : decay(motion.angular_damping * dt);
+    const auto kick = [&] { state.spin += world_inverse_inertia(state, mass) * motion.torque * (0.5 * dt); };
+    if (!turns_freely(mass)) state.spin = world_inverse_inertia(state, mass) * angular_momentum(state, mass);
+    if (twisted) kick();
+    turn(state, mass, d.first * dt, motion.spin_tolerance);
+    if (motion.angular_damping != 0.0) state.spin *= d.left;
+    if (twisted) kick();
 }
 
 dvec3 gyroscopic_change(const BodyState& state, const BodyMass& mass, double dt) noexcept {
     if (mass.inertia == InertiaClass::Isotropic) return dvec3{0.0};
+    if (!turns_freely(mass)) {
+        BodyState turned = state;
+        rotate_locked(turned, mass, dt);
+        return turned.spin - state.spin;
+    }
     if (glm::dot(state.spin, state.spin) * (dt * dt) <= kSmallTurn * kSmallTurn) {
         // In body axes spin' = rate, and the body turns under it: in world axes spin'' = spin x rate + rate'.
         const dvec3 spin = rotate_inverse(state.pose.orientation, state.spin), momentum = mass.moments * spin;
@@ -107,17 +111,14 @@ dvec3 gyroscopic_change(const BodyState& state, const BodyMass& mass, double dt)
         const dvec3 second = glm::cross(spin, rate) + rate_change;
         return rotate(state.pose.orientation, dt * (rate + 0.5 * dt * second));
     }
-    dquat q = state.pose.orientation;
-    dvec3 spin = state.spin;
-    rotate_free(q, spin, mass, dt, kMaxContactCycleAngle);
-    return spin - state.spin;
+    Rotation turning{state.pose.orientation, state.spin};
+    rotate_free(turning, mass, dt, {.tolerance = kContactTolerance});
+    return turning.spin - state.spin;
 }
 
 dmat3 world_inverse_inertia(const BodyState& state, const BodyMass& mass) noexcept {
-    const dmat3 r = glm::mat3_cast(state.pose.orientation);
-    dmat3 scaled = r;
-    for (int i = 0; i < 3; ++i) scaled[i] *= mass.inverse_moments[i];
-    return scaled * glm::transpose(r);
+    if (turns_freely(mass)) return in_world(state.pose.orientation, mass.inverse_moments);
+    return inverse_over_free(in_world(state.pose.orientation, mass.moments), mass.locked);
 }
 
 dvec3 angular_momentum(const BodyState& state, const BodyMass& mass) noexcept {

@@ -24,6 +24,11 @@ double play(const Proxy& proxy, const BodyState& state, const Motion& motion) {
     return pull_of(motion) + proxy.reach * turn;
 }
 
+/// The motion of one body: where bodies have traits, its own pull stands for gravity.
+Motion motion_of(const BodyArrays& bodies, std::size_t slot, const Motion& motion) {
+    return bodies.traits.empty() ? motion : Motion{bodies.acceleration(slot, motion.gravity), motion.dt};
+}
+
 void sweep_one(ProxySet& set, std::uint32_t i, const BodyState& state, bool is_static, const Motion& motion) {
     const Proxy& proxy = set.by_slot[i];
     set.poses[i] = state.pose * proxy.local;
@@ -159,10 +164,10 @@ void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& 
             const bool is_static = bodies.roles[proxy.body] == Role::Static;
             const Box* const box = std::get_if<Box>(&proxy.shape);
             if (box == nullptr || is_static) {
-                sweep_one(set, i, state, is_static, motion);
+                sweep_one(set, i, state, is_static, motion_of(bodies, proxy.body, motion));
                 continue;
             }
-            boxes[count++] = {&state, &proxy.local, box->half_extents, proxy.reach, pull_of(motion), &set.poses[i], &set.boxes[i], &set.motion[i]};
+            boxes[count++] = {&state, &proxy.local, box->half_extents, proxy.reach, pull_of(motion_of(bodies, proxy.body, motion)), &set.poses[i], &set.boxes[i], &set.motion[i]};
             if (count == boxes.size()) sweep_boxes({boxes.data(), std::exchange(count, 0u)}, motion.dt, set.origin);
         }
         sweep_boxes({boxes.data(), count}, motion.dt, set.origin);

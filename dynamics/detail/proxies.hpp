@@ -11,6 +11,7 @@
 #include <carom/core/pose.hpp>
 #include <carom/dynamics/detail/body_state.hpp>
 #include <carom/dynamics/detail/contact_set.hpp>
+#include <carom/dynamics/detail/part_surface.hpp>
 #include <carom/narrowphase/collide.hpp>
 
 #include <cstdint>
@@ -40,7 +41,7 @@ struct Proxy {
     Pose local{};                  ///< of the shape in its body's principal frame
     double reach = 0.0;            ///< farthest point from the centre of mass [m]
     double extent = 0.0;           ///< smallest extent of the shape [m]
-    float friction = 0.0f, restitution = 0.0f;
+    Surface surface;
 };
 
 /// Bodies of a step, all indexed by slot.
@@ -48,6 +49,13 @@ struct BodyArrays {
     std::vector<BodyState> states;
     std::vector<BodyMass> masses;
     std::vector<Role> roles;
+    std::vector<BodyTraits> traits;  ///< empty while no body asks for any or has locked axes, which costs nothing then
+
+    /// @return what pulls a dynamic body beside its contacts [m/s²].
+    [[nodiscard]] dvec3 acceleration(std::size_t slot, const dvec3& gravity) const noexcept {
+        if (traits.empty()) return gravity;
+        return gravity * traits[slot].gravity_scale + traits[slot].force * masses[slot].inverse_mass;
+    }
 };
 
 /// What stands at a slot.

@@ -5,6 +5,8 @@
 #include <carom/core/slot_map.hpp>
 #include <carom/dynamics/detail/contact_set.hpp>
 #include <carom/dynamics/detail/contact_solver.hpp>
+#include <carom/dynamics/detail/impacts.hpp>
+#include <carom/dynamics/detail/integrator.hpp>
 #include <carom/dynamics/detail/direct_islands.hpp>
 #include <carom/dynamics/detail/part_surface.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
@@ -55,6 +57,22 @@ struct Census {
     }
 };
 
+/// The largest that a body may be pulled and damped, so that a step stays within the range of floats.
+inline constexpr double kMostGravityScale = 1e6;
+inline constexpr double kMostDamping = 1e9;  ///< [1/s]
+
+/// @return null if all is well, else what is wrong.
+[[nodiscard]] inline const char* fault_of_gravity_scale(double scale) noexcept {
+    return scale >= -kMostGravityScale && scale <= kMostGravityScale ? nullptr : "the gravity scale must be within -1e6 .. 1e6";
+}
+[[nodiscard]] inline const char* fault_of_damping(double linear, double angular) noexcept {
+    const auto good = [](double c) { return c >= 0.0 && c <= kMostDamping; };
+    return good(linear) && good(angular) ? nullptr : "damping must be within 0 .. 1e9 1/s";
+}
+[[nodiscard]] inline const char* fault_of_locks(unsigned char locked) noexcept {
+    return (locked & ~LockedAxes::All) == 0 ? nullptr : "no such axis to lock";
+}
+
 /// Which work the scene needs at all.
 struct StepChoices {
     bool contacts = true;     ///< two shapes exist that could meet: Bounds to Relax, and Store
@@ -82,6 +100,16 @@ struct World::Impl {
     [[nodiscard]] Pose body_pose(BodyId body) const;
     /// Puts the body's origin at `pose`.
     void place_body(BodyId body, const Pose& pose);
+    /// What the body at `slot` asks for beyond gravity, to be set. From the first call on every body has traits.
+    [[nodiscard]] dynamics::BodyTraits& traits_of(std::uint32_t slot);
+    /// Takes out what moves the body along or about its locked axes.
+    void keep_locks(std::uint32_t slot);
+    /// Adds to what pushes the body in the next step.
+    void push(BodyId body, const dvec3& force, const dvec3& torque);
+    /// What moves the body at `slot` in a step while nothing touches it.
+    [[nodiscard]] dynamics::FreeMotion free_motion(std::size_t slot) const noexcept;
+    void integrate_free_bodies(bool looked, double dt);
+    void forget_pushes();
     /// The mass of a body's shapes and of one more.
     [[nodiscard]] MassProperties mass_with(const dynamics::BodyRecord& record, const MassProperties& added) const;
     /// Sets the mass and keeps the origin and the motion of the body's points where they are.
@@ -116,11 +144,13 @@ struct World::Impl {
     dynamics::CandidateNames names;
     CollideScratch collide_scratch;
     dynamics::ContactSet contacts, previous;
+    dynamics::Impacts impacts;
     dynamics::DirectIslands direct;
     dynamics::ContactSolver solver;
     std::vector<dynamics::ValidPose> last_valid;  // by slot
     double last_substep = 0.0;  // [s]; impulses are carried in proportion
     std::uint64_t steps = 0;
+    bool pushed = false;  // a force or a torque waits for the next step
     bool looked_for_contacts = false;  // in the last step
 };
 

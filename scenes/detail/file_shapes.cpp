@@ -123,6 +123,21 @@ ShapeDef read_matter(Fields& fields) {
     return def;
 }
 
+CombineRule read_rule(const Node& node) {
+    using enum CombineRule;
+    for (const CombineRule rule : {Average, GeometricMean, Minimum, Product, Maximum}) {
+        if (text(node) == to_string(rule)) return rule;
+    }
+    fail_at(node, ErrorCode::UnknownName,
+            fmt::format("\"{}\" is none of \"average\", \"geometric_mean\", \"minimum\", \"product\", \"maximum\"", text(node)));
+}
+
+/// How the whole shape combines with others: parts of compounds have no rules of their own.
+void read_rules(Fields& fields, ShapeDef& def) {
+    if (const auto given = fields.find("friction_rule")) def.friction_rule = read_rule(*given);
+    if (const auto given = fields.find("restitution_rule")) def.restitution_rule = read_rule(*given);
+}
+
 Shape read_geometry(const Node& node, Fields& fields);
 
 CompoundPart read_part(const Node& node) {
@@ -195,6 +210,7 @@ FileShape read_shape(const Node& node, BodyType body) {
     Fields fields(node);
     Shape shape = read_geometry(node, fields);
     FileShape read{std::move(shape), read_matter(fields)};
+    read_rules(fields, read.def);
     fields.done();
     check_fit(node, read, body);
     return read;

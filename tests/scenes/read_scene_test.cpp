@@ -220,6 +220,32 @@ TEST_F(ReadScene, NamesKeysOfShapes) {
     expect_error(read_shape(sphere + R"("friction": -0.1)"), ErrorCode::InvalidArgument, at + ".friction");
     expect_error(read_shape(sphere + R"("restitution": 1.1)"), ErrorCode::InvalidArgument, at + ".restitution");
     expect_error(read_shape(sphere + R"("density": 1e308)"), ErrorCode::NotFinite, at);
+    expect_error(read_shape(sphere + R"("friction_rule": "sum")"), ErrorCode::UnknownName, at + ".friction_rule");
+    expect_error(read_shape(sphere + R"("restitution_rule": 1)"), ErrorCode::WrongType, at + ".restitution_rule");
+}
+
+TEST_F(ReadScene, ReadsWhatBodiesAskForBeyondGravity) {
+    const std::string shape = R"("shapes": [{"type": "sphere", "radius": 1, "friction_rule": "minimum", "restitution_rule": "product"}])";
+    const std::string asks = R"("gravity_scale": 0.5, "linear_damping": 0.1, "angular_damping": 0.2, "locked": ["move_z", "turn_x", "turn_y"], )";
+    const Result<SceneRun> run = read_body(asks + shape);
+    ASSERT_TRUE(run.has_value()) << run.error().where << ": " << run.error().message;
+    const World& world = run->world;
+    const BodyId body = world.bodies()[0];
+    EXPECT_EQ(world.gravity_scale(body), 0.5);
+    EXPECT_EQ(world.linear_damping(body), 0.1);
+    EXPECT_EQ(world.angular_damping(body), 0.2);
+    EXPECT_EQ(world.locked_axes(body), LockedAxes::Plane2D);
+    EXPECT_EQ(world.shape_def(world.shapes(body)[0]).friction_rule, CombineRule::Minimum);
+    EXPECT_EQ(world.shape_def(world.shapes(body)[0]).restitution_rule, CombineRule::Product);
+
+    const auto refuse = [&](const std::string& keys, ErrorCode code, const std::string& place) {
+        expect_error(read_body(keys + ", " + shape), code, ":2: bodies[0]." + place);
+    };
+    refuse(R"("gravity_scale": 1e7)", ErrorCode::InvalidArgument, "gravity_scale");
+    refuse(R"("linear_damping": -1)", ErrorCode::InvalidArgument, "linear_damping");
+    refuse(R"("angular_damping": "much")", ErrorCode::WrongType, "angular_damping");
+    refuse(R"("locked": ["x"])", ErrorCode::UnknownName, "locked[0]");
+    refuse(R"("type": "kinematic", "gravity_scale": 0)", ErrorCode::InvalidArgument, "gravity_scale");
 }
 
 TEST_F(ReadScene, NamesKeysOfHullsAndMeshes) {
