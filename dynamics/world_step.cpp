@@ -52,13 +52,23 @@ void World::Impl::forget_pushes() {
     for (dynamics::BodyTraits& traits : arrays.traits) traits.force = traits.torque = dvec3{0.0};
 }
 
+// Whether what was applied to the body leaves its speed and spin where a step can follow them.
+bool World::Impl::can_be_pushed(std::uint32_t slot, double dt) const noexcept {
+    if (arrays.traits.empty() || arrays.roles[slot] != Role::Dynamic) return true;
+    const dynamics::BodyState& state = arrays.states[slot];
+    const double pull = glm::length(arrays.acceleration(slot, def.gravity));
+    const dvec3 turn = dynamics::world_inverse_inertia(state, arrays.masses[slot]) * arrays.traits[slot].torque;
+    return pull * dt <= dynamics::kMostSpeed && pull * dt * dt <= dynamics::kMostDistance &&
+           (glm::length(state.spin) + glm::length(turn) * dt) * dt <= dynamics::kMostTurn;
+}
+
 void World::Impl::quarantine_unusable(double dt, StepReport& report) {
     last_valid.resize(arrays.states.size());
     for (const BodyId id : body_order) {
         const std::uint32_t slot = id.slot;
         if (arrays.roles[slot] == Role::Absent) continue;
         dynamics::BodyState& state = arrays.states[slot];
-        if (dynamics::is_usable(state, dt)) {
+        if (dynamics::is_usable(state, dt) && can_be_pushed(slot, dt)) {
             last_valid[slot].id = id;
             last_valid[slot].pose = state.pose;
             continue;

@@ -174,7 +174,11 @@ void DirectIslands::solve(const DirectWorld& world, const DirectStep& step, Exec
             const std::span<const std::uint32_t> bodies = links_.bodies(tasks_[i].island), manifolds = links_.manifolds(tasks_[i].island);
             fill_problem(world, {bodies, manifolds, local_of_slot_, memory.loads}, memory.stiffness, step, memory.problem);
             memory.result = memory.newton.solve(memory.problem, memory.stiffness.tolerances);
-            if (!memory.result.converged) continue;
+            if (!memory.result.converged) {
+                // What stopped a fall in the step before is no force to start from.
+                for (const std::uint32_t m : manifolds) world.contacts.impulses[m] = {};
+                continue;
+            }
             apply_solution(memory.problem, bodies, manifolds, step, world);
             for (const std::uint32_t slot : bodies) held_[slot] = 1;
         }

@@ -144,8 +144,9 @@ double Impacts::rate_at(const Bouncer& bouncer, const Point& point, double time)
 // Newton's steps come to it from below, since distances along straight paths are convex.
 double Impacts::time_of_hit(const Bouncer& bouncer, const Point& point, double from) const noexcept {
     const double gap = gap_at(bouncer, point, from), rate = rate_at(bouncer, point, from);
-    // Overlap at the start: they met before, where no contact was looked for. The impact goes where it was.
-    const bool missed = gap < -bouncer.touch && rate < -slow_ && !flyers_[bouncer.a].hit && !flyers_[bouncer.b].hit;
+    // Balls that overlap at the start met before, where no contact was looked for. The impact goes where it was. Other shapes rest on one another:
+    // moved back, they would overlap their neighbours, who would have met before then, and so on.
+    const bool missed = bouncer.two_spheres && gap < -bouncer.touch && rate < -slow_ && !flyers_[bouncer.a].hit && !flyers_[bouncer.b].hit;
     if (!missed) {
         if (gap <= bouncer.touch && rate < -slow_) return from;
         if (gap <= 0.0) return kNever;
@@ -164,11 +165,11 @@ double Impacts::time_of_hit(const Bouncer& bouncer, const Point& point, double f
     }
     const double pull = glm::dot(bouncer.normal, flyers_[bouncer.b].pull - flyers_[bouncer.a].pull);
     const double square = rate * rate - 2.0 * pull * gap;
-    if (!(square > slow_ * slow_)) return missed ? from : kNever;
+    if (!(square > slow_ * slow_)) return kNever;
     const double closing = std::sqrt(square);  // at the hit
     if (rate > 0.0 && pull >= 0.0) return kNever;
     const double time = from + (rate > 0.0 ? -(rate + closing) / pull : 2.0 * gap / (closing - rate));
-    return time <= dt_ ? std::max(time, -kMostMissed * dt_) : kNever;
+    return time <= dt_ ? time : kNever;
 }
 
 double Impacts::time_of_hit(const Bouncer& bouncer, double from) const noexcept {
@@ -294,9 +295,12 @@ void Impacts::run(ContactSet& contacts, const ProxySet& proxies, BodyArrays& bod
 void Impacts::place(BodyArrays& bodies) const {
     for (const Flyer& flyer : flyers_) {
         if (!flyer.hit) continue;
-        Pose& pose = bodies.states[flyer.slot].pose;
-        pose.position += flyer.shift;
-        pose.orientation = glm::normalize(rotation_from_vector(flyer.turn) * pose.orientation);
+        BodyState& state = bodies.states[flyer.slot];
+        state.pose.position += flyer.shift;
+        const dquat turn = rotation_from_vector(flyer.turn);
+        state.pose.orientation = glm::normalize(turn * state.pose.orientation);
+        // The spin turns along, or the moments that it meets, and the energy, would be others.
+        if ((bodies.masses[flyer.slot].locked & kLockedTurns) == 0) state.spin = rotate(turn, state.spin);
     }
 }
 

@@ -27,7 +27,7 @@ namespace carom::dynamics {
 /// symmetric stays so. Energy never grows: points of unlike e that would gain some bounce by the least e among them. Friction follows each normal
 /// impulse within its cone, against the sliding, at most to a stop.
 ///
-/// Two that overlap and approach at the start met before, unseen (contacts are found as far ahead as the two move by themselves; a chain of
+/// Two balls that overlap and approach at the start met before, unseen (contacts are found as far ahead as the two move by themselves; a chain of
 /// bodies at rest is found link by link, one a step): their impact is placed there, at most eight steps back.
 ///
 /// Slower than twice what gravity brings about in a step is no impact: the solver's contacts take it up.

@@ -127,6 +127,8 @@ struct World::Impl {
     /// The broadphase's method and why; before the first step, what that will choose.
     [[nodiscard]] BroadphasePlan plan_broadphase(double dt) const;
     /// Takes out every body whose state no step of `dt` can take on, at its last valid pose, at rest.
+    /// Whether what was applied to the body leaves its speed and spin where a step can follow them.
+    [[nodiscard]] bool can_be_pushed(std::uint32_t slot, double dt) const noexcept;
     void quarantine_unusable(double dt, StepReport& report);
 
     WorldDef def;

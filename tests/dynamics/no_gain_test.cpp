@@ -1,0 +1,94 @@
+// Places where energy once came from nothing, or valid input stopped the program.
+#include <carom/dynamics/world.hpp>
+
+#include <glm/geometric.hpp>
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <vector>
+
+namespace carom {
+namespace {
+
+constexpr double kDt = 1.0 / 60.0;
+
+BodyId add_body(World& world, const Shape& shape, const BodyDef& body, const ShapeDef& def = {}) {
+    const BodyId id = world.create_body(body);
+    world.add_shape(id, shape, def);
+    return id;
+}
+
+double most_energy(World& world, int steps) {
+    double most = world.energy().total();
+    for (int i = 0; i < steps; ++i) {
+        world.step(kDt);
+        most = std::max(most, world.energy().total());
+    }
+    return most;
+}
+
+TEST(NoGain, ABoxThatBouncesAndTumbles) {
+    for (int k = 0; k < 20; ++k) {
+        World world({.gravity = dvec3{0.0}});
+        for (const double x : {-4.0, 4.0}) {
+            add_body(world, Plane{{x < 0.0 ? 1.0f : -1.0f, 0.0f, 0.0f}, -4.0f}, {.type = BodyType::Static}, {.restitution = 1.0f});
+        }
+        const double turn = 0.1 * k;
+        add_body(world, Box{{0.5f, 0.4f, 0.6f}},
+                 {.orientation = glm::normalize(dquat{1.0, 0.3, turn, 0.2}), .linear_velocity = {5.0, 0.0, 0.0}, .angular_velocity = {1.0, turn, 0.5}},
+                 {.friction = 0.0f, .restitution = 1.0f});
+        const double before = world.energy().total();
+        EXPECT_LT(most_energy(world, 400), 1.001 * before) << k;
+    }
+}
+
+TEST(NoGain, AHeavyBoxThatFallsOnALightStack) {
+    for (const double ratio : {1e3, 1e4, 1e6}) {
+        World world;
+        add_body(world, Plane{}, {.type = BodyType::Static});
+        for (int i = 0; i < 4; ++i) add_body(world, Box{{0.5f, 0.5f, 0.5f}}, {.position = {0.0, 0.5 + i, 0.0}});
+        add_body(world, Box{{0.5f, 0.5f, 0.5f}}, {.position = {0.0, 5.5, 0.0}}, {.density = 1000.0 * ratio});
+        const double before = world.energy().total();
+        EXPECT_LT(most_energy(world, 300), 1.001 * before) << ratio;
+        for (const BodyId body : world.bodies()) EXPECT_GT(world.center_of_mass(body).y, -0.5) << ratio;
+    }
+}
+
+TEST(NoGain, BoxesThatBounceOnOneAnother) {
+    World world;
+    add_body(world, Plane{}, {.type = BodyType::Static}, {.restitution = 0.9f});
+    for (int i = 0; i < 10; ++i) add_body(world, Box{{0.5f, 0.5f, 0.5f}}, {.position = {0.0, 0.55 + 1.05 * i, 0.0}}, {.restitution = 0.9f});
+    const double before = world.energy().total();
+    double deepest = 0.0;
+    for (int i = 0; i < 600; ++i) {
+        deepest = std::max(deepest, world.step(kDt).max_penetration);
+        ASSERT_LT(world.energy().total(), 1.001 * before) << i;
+    }
+    EXPECT_LT(deepest, 0.1);
+}
+
+TEST(NoGain, ATurnWithOneAxisLocked) {
+    for (const unsigned char locked : {LockedAxes::TurnX, LockedAxes::TurnY, LockedAxes::TurnZ}) {
+        World world({.gravity = dvec3{0.0}});
+        add_body(world, Box{{0.1f, 0.2f, 1.0f}},
+                 {.orientation = glm::normalize(dquat{1.0, 0.2, 0.3, 0.1}), .angular_velocity = {6.0, 5.0, 4.0}, .locked = locked});
+        const double before = world.energy().total();
+        EXPECT_LT(most_energy(world, 1200), 1.001 * before);
+        EXPECT_GT(world.energy().total(), 0.999 * before);
+    }
+}
+
+TEST(NoGain, WhatNoStepCanTurnGoesIntoQuarantine) {
+    World world({.gravity = dvec3{0.0}});
+    const BodyId speck = add_body(world, Box{{5e-4f, 6.5e-4f, 8e-4f}}, {.position = {0.0, 1.0, 0.0}});
+    const BodyId other = add_body(world, Box{{0.5f, 0.5f, 0.5f}}, {.position = {5.0, 1.0, 0.0}, .linear_velocity = {1.0, 0.0, 0.0}});
+    world.apply_force(speck, {0.0, 0.1, 0.0}, {5e-4, 1.0, 2.5e-4});  // 1e8 rad/s² and more
+    const StepReport report = world.step(kDt);
+    ASSERT_EQ(report.quarantined.size(), 1u);
+    EXPECT_EQ(report.quarantined[0], speck);
+    EXPECT_TRUE(world.is_quarantined(speck));
+    EXPECT_NEAR(world.center_of_mass(other).x, 5.0 + kDt, 1e-12);
+}
+
+}  // namespace
+}  // namespace carom
