@@ -41,7 +41,9 @@ double extent_of(const ProxySet& proxies, const ContactPair& pair) {
     return std::min(proxies.extents[pair.proxy_a], proxies.extents[pair.proxy_b]);
 }
 
-void fill_body(const BodyState& state, const BodyMass& mass, const DirectStep& step, DirectBody& body) {
+void fill_body(const BodyArrays& bodies, std::uint32_t slot, const DirectStep& step, DirectBody& body) {
+    const BodyState& state = bodies.states[slot];
+    const BodyMass& mass = bodies.masses[slot];
     const dmat3 r = glm::mat3_cast(state.pose.orientation);
     dmat3 scaled = r;
     for (int i = 0; i < 3; ++i) scaled[i] *= mass.moments[i];
@@ -49,6 +51,12 @@ void fill_body(const BodyState& state, const BodyMass& mass, const DirectStep& s
     body.inertia = scaled * glm::transpose(r);
     body.free_velocity = state.velocity + step.dt * step.gravity;
     body.free_spin = state.spin + gyroscopic_change(state, mass, step.dt);
+    if (!bodies.traits.empty()) {
+        const BodyTraits& traits = bodies.traits[slot];
+        const Decay along = decay(traits.linear_damping * step.dt), about = decay(traits.angular_damping * step.dt);
+        body.free_velocity = along.left * state.velocity + (along.first * step.dt) * bodies.acceleration(slot, step.gravity);
+        body.free_spin = about.left * body.free_spin + (about.first * step.dt) * (world_inverse_inertia(state, mass) * traits.torque);
+    }
     body.velocity = state.velocity;
     body.spin = state.spin;
 }
@@ -108,7 +116,7 @@ void fill_problem(const DirectWorld& world, const IslandLists& island, const Isl
                   DirectProblem& problem) {
     const std::span<const std::uint32_t> bodies = island.bodies;
     problem.bodies.resize(bodies.size());
-    for (std::size_t i = 0; i < bodies.size(); ++i) fill_body(world.bodies.states[bodies[i]], world.bodies.masses[bodies[i]], step, problem.bodies[i]);
+    for (std::size_t i = 0; i < bodies.size(); ++i) fill_body(world.bodies, bodies[i], step, problem.bodies[i]);
     problem.contacts.clear();
     const double dt = step.dt, slow = dt + stiffness.relaxation;
     for (std::size_t i = 0; i < island.manifolds.size(); ++i) {

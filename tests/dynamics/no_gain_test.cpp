@@ -54,6 +54,28 @@ TEST(NoGain, AHeavyBoxThatFallsOnALightStack) {
     }
 }
 
+// What pushes, slows or lifts a body a little does not take its stack from the direct solve.
+TEST(NoGain, AStackUnderAHeavyBoxThatIsPushedALittle) {
+    for (int way = 0; way < 4; ++way) {
+        World world;
+        add_body(world, Plane{}, {.type = BodyType::Static});
+        std::vector<BodyId> boxes;
+        for (int i = 0; i < 8; ++i) boxes.push_back(add_body(world, Box{{0.5f, 0.5f, 0.5f}}, {.position = {0.0, 0.5 + i, 0.0}}));
+        add_body(world, Box{{0.5f, 0.5f, 0.5f}}, {.position = {0.0, 8.5, 0.0}}, {.density = 1e6});
+        for (int i = 0; i < 100; ++i) world.step(kDt);
+        const double before = world.energy().total();
+        if (way == 1) world.set_damping(boxes[0], 0.01, 0.01);
+        if (way == 2) world.set_gravity_scale(boxes[0], 0.999);
+        for (int i = 0; i < 200; ++i) {
+            if (way == 0 && i == 0) world.apply_force(boxes[0], {1.0, 0.0, 0.0}, world.center_of_mass(boxes[0]));
+            if (way == 3 && i % 2 == 0) world.apply_torque(boxes[0], {0.0, 1.0, 0.0});
+            EXPECT_EQ(world.step(kDt).direct.solved, 1u) << way << " step " << i;
+        }
+        EXPECT_NEAR(world.energy().total(), before, 1e-4 * before) << way;
+        EXPECT_NEAR(world.center_of_mass(boxes[7]).y, 7.5, 1e-3) << way;
+    }
+}
+
 TEST(NoGain, BoxesThatBounceOnOneAnother) {
     World world;
     add_body(world, Plane{}, {.type = BodyType::Static}, {.restitution = 0.9f});
