@@ -5,7 +5,7 @@ namespace carom {
 
 /// Soft: substeps of soft contacts, which sag under load. Direct: every island of bodies in contact is solved as one convex problem, to
 /// WorldDef::direct_sag. Automatic: direct where soft contacts would sag by more than 1e-3 of the smallest extent, soft elsewhere. An island
-/// that the direct solve cannot do in WorldDef::direct_budget, that bounces, or that did not converge is solved softly with any of them.
+/// that the direct solve cannot do in WorldDef::direct_budget, that bounces, has locked axes, or did not converge is solved softly with any of them.
 enum class ContactMethod : unsigned char { Automatic, Soft, Direct };
 
 /// @return "automatic", "soft", "direct": as the program's option spells it.

@@ -1,5 +1,6 @@
 #include <carom/dynamics/free_rotation.hpp>
 
+#include <carom/core/check.hpp>
 #include <carom/core/math.hpp>
 
 #include <algorithm>
@@ -54,19 +55,28 @@ void turn_about_axis(int i, double rate, double dt, dquat& orientation, dvec3& m
     orientation = orientation * about;
 }
 
+constexpr double kMostCycles = 1e6;
+
 struct Cycles {
     int count = 1;
     SpinScheme scheme = SpinScheme::Strang;
 };
+
+/// @return what is wrong, or null.
+const char* fault_of(const Rotation& rotation, double dt, const SpinSettings& settings) noexcept {
+    if (!is_finite(rotation.orientation) || !is_finite(rotation.spin) || !is_finite(dt)) return "free rotation: a state or dt is not finite";
+    if (!(settings.tolerance >= 1e-12 && settings.tolerance <= 1.0)) return "free rotation: the tolerance must be within 1e-12 .. 1";
+    return nullptr;
+}
 
 Cycles plan_cycles(double angle, const SpinSettings& settings) noexcept {
     const double strang = angle / std::sqrt(settings.tolerance / kStrangError);
     const double fourth = angle / std::min(kMostFourth, std::sqrt(std::sqrt(settings.tolerance / kFourthError)));
     const bool fewer = 3.0 * std::floor(strang + 1.0) <= 13.0 * std::floor(fourth + 1.0);  // rotations
     if (settings.scheme == SpinScheme::Strang || (settings.scheme == SpinScheme::Automatic && fewer)) {
-        return {1 + static_cast<int>(strang), SpinScheme::Strang};
+        return {1 + static_cast<int>(std::min(strang, kMostCycles)), SpinScheme::Strang};
     }
-    return {1 + static_cast<int>(fourth), SpinScheme::FourthOrder};
+    return {1 + static_cast<int>(std::min(fourth, kMostCycles)), SpinScheme::FourthOrder};
 }
 
 void rotate_asymmetric(dquat& q, dvec3& momentum, const FreeRotation& body, double dt, const SpinSettings& settings) noexcept {
@@ -88,7 +98,9 @@ void rotate_asymmetric(dquat& q, dvec3& momentum, const FreeRotation& body, doub
 
 }  // namespace
 
-FreeRotation classify(const dvec3& moments) noexcept {
+FreeRotation classify(const dvec3& moments) {
+    const bool fit = is_finite(moments) && moments.x > 0.0 && moments.y > 0.0 && moments.z > 0.0;
+    CAROM_REQUIRE(fit, ErrorCode::InvalidArgument, "moments of inertia must be positive and finite", FreeRotation{});
     FreeRotation body{moments, 1.0 / moments};
     const double tolerance = 1e-12 * std::max({moments.x, moments.y, moments.z});
     int equal_pairs = 0;
@@ -109,7 +121,9 @@ FreeRotation classify(const dvec3& moments) noexcept {
     return body;
 }
 
-void rotate_free(Rotation& rotation, const FreeRotation& body, double dt, const SpinSettings& settings) noexcept {
+void rotate_free(Rotation& rotation, const FreeRotation& body, double dt, const SpinSettings& settings) {
+    const char* const fault = fault_of(rotation, dt, settings);
+    CAROM_REQUIRE(fault == nullptr, ErrorCode::InvalidArgument, fault);
     dquat& q = rotation.orientation;
     if (body.inertia == InertiaClass::Isotropic) {
         q = glm::normalize(rotation_from_vector(rotation.spin * dt) * q);
@@ -129,7 +143,9 @@ void rotate_free(Rotation& rotation, const FreeRotation& body, double dt, const 
     rotation.spin = rotate(q, body.inverse_moments * momentum);
 }
 
-int count_cycles(const Rotation& rotation, const FreeRotation& body, double dt, const SpinSettings& settings) noexcept {
+int count_cycles(const Rotation& rotation, const FreeRotation& body, double dt, const SpinSettings& settings) {
+    const char* const fault = fault_of(rotation, dt, settings);
+    CAROM_REQUIRE(fault == nullptr, ErrorCode::InvalidArgument, fault, 0);
     if (body.inertia != InertiaClass::Asymmetric) return 1;
     const dvec3 momentum = body.moments * rotate_inverse(rotation.orientation, rotation.spin);
     return plan_cycles(greatest_rate(momentum, outer_of(body)) * std::abs(dt), settings).count;

@@ -89,8 +89,8 @@ public:
     void destroy_body(BodyId body);
     /// Adds a shape; the mass of a dynamic body is then the sum over its shapes, and over the parts of compounds: of a closed mesh that of
     /// its solid, of an open one that of its hull. Planes only on static and kinematic bodies, and no flat mesh on a dynamic one: both are
-    /// refused as WrongType or Degenerate. Mass and moments of inertia must be within 1e-30 .. 1e30 (kg, kg m²) and no bounded shape may reach farther than 1e30 m: the floats of solver and broadphase hold no
-    /// others. set_mass_properties asks the same of masses.
+    /// refused as WrongType or Degenerate. Mass and moments of inertia must be within 1e-30 .. 1e30 (kg, kg m²) and no bounded shape may
+    /// reach farther than 1e30 m: the floats of solver and broadphase hold no others. set_mass_properties asks the same of masses.
     ShapeId add_shape(BodyId body, Shape shape, const ShapeDef& def = {});
 
     [[nodiscard]] bool is_alive(BodyId body) const noexcept;
@@ -129,7 +129,8 @@ public:
     [[nodiscard]] double angular_damping(BodyId body) const;
     [[nodiscard]] unsigned char locked_axes(BodyId body) const;
     /// Pushes through the whole of the next step that is not of dt = 0, evenly; forces and torques add up until then.
-    /// @param force [N], at the world point `point` [m]; acceleration at most 1e15 m/s².
+    /// @param force [N], at the world point `point` [m]; acceleration at most 1e15 m/s². What a step cannot follow (StepReport::quarantined) goes
+    /// into quarantine at its start, as a speck does that a torque would turn by more than 2,000 rad.
     void apply_force(BodyId body, const dvec3& force, const dvec3& point);
     void apply_torque(BodyId body, const dvec3& torque);                    ///< the same with a torque [N m]
     /// Changes the velocity at once. @param impulse [N s], at the world point `point` [m].

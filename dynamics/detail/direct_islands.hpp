@@ -29,7 +29,8 @@ public:
     /// Finds the islands whose contacts would sag too far, or all of them with ContactMethod::Direct.
     /// @return whether there are any that solve() should try.
     bool choose(const DirectWorld& world, const DirectStep& step, const DirectChoice& choice);
-    /// Solves those. Where a solve converges it moves the bodies and writes the impulses; otherwise nothing changes.
+    /// Solves those. Where a solve converges it moves the bodies and writes the impulses; otherwise the bodies stay as they are, and the soft
+    /// solver begins without impulses.
     void solve(const DirectWorld& world, const DirectStep& step, Executor& executor);
     /// Nothing is held: for steps that look for no contacts.
     void clear() noexcept;

@@ -1,6 +1,5 @@
 #include <carom/dynamics/detail/integrator.hpp>
 
-#include <carom/core/check.hpp>
 #include <carom/core/math.hpp>
 
 #include <algorithm>
@@ -32,11 +31,10 @@ void rotate_locked(BodyState& state, const BodyMass& mass, double dt) noexcept {
     }
 }
 
-/// Whether a step can turn a body so far; what cannot be turned stays as it is, and the step's end puts it into quarantine.
+/// Whether a step can turn a body so far. What cannot be turned keeps its spin, by which the step's end puts it into quarantine.
 bool can_turn(const dvec3& spin, double dt) noexcept { return glm::length(spin) * std::abs(dt) <= kMostTurn; }
 
 void turn(BodyState& state, const BodyMass& mass, double dt, double tolerance) noexcept {
-    if (!can_turn(state.spin, dt)) return;
     if (!turns_freely(mass)) return rotate_locked(state, mass, dt);
     Rotation turning{state.pose.orientation, state.spin};
     rotate_free(turning, mass, dt, {.tolerance = tolerance});
@@ -105,6 +103,7 @@ void integrate_free(BodyState& state, const BodyMass& mass, const FreeMotion& mo
     const auto kick = [&] { state.spin += world_inverse_inertia(state, mass) * motion.torque * (0.5 * dt); };
     if (!turns_freely(mass)) state.spin = world_inverse_inertia(state, mass) * angular_momentum(state, mass);
     if (twisted) kick();
+    if (!can_turn(state.spin, d.first * dt)) return;
     turn(state, mass, d.first * dt, motion.spin_tolerance);
     if (motion.angular_damping != 0.0) state.spin *= d.left;
     if (twisted) kick();

@@ -1,10 +1,13 @@
 // Free motion against closed forms.
+#include <carom/core/check.hpp>
 #include <carom/dynamics/detail/integrator.hpp>
 
 #include <carom/core/math.hpp>
 #include <carom/core/random.hpp>
 
 #include <gtest/gtest.h>
+
+#include <limits>
 
 #include <algorithm>
 #include <cmath>
@@ -234,6 +237,32 @@ TEST(Integrator, GyroscopicChangeIsGoodToSecondOrder) {
         for (int part = 0; part < 200; ++part) integrate_free(exact, mass, {}, dt / 200.0);
         EXPECT_LT(glm::length(gyroscopic_change(state, mass, dt) - (exact.spin - state.spin)), 1.6e-5 * 3.0) << i;
     }
+}
+
+TEST(Integrator, FreeRotationRefusesWhatIsNoMotion) {
+    static int reports = 0;
+    const ErrorHandler before = set_error_handler([](const Error&) { ++reports; });
+    const FreeRotation body = classify({1.0, 2.0, 3.0});
+    const Rotation start{kIdentityRotation, {1.0, 2.0, 3.0}};
+    constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+    int asked = 0;
+    const auto refuses = [&](Rotation rotation, double dt, const SpinSettings& settings) {
+        const dquat kept = rotation.orientation;
+        rotate_free(rotation, body, dt, settings);
+        EXPECT_EQ(reports, ++asked);
+        EXPECT_EQ(count_cycles(rotation, body, dt, settings), 0);
+        EXPECT_EQ(reports, ++asked);
+        EXPECT_EQ(rotation.orientation, kept);
+    };
+    refuses(start, kNan, {});
+    refuses({kIdentityRotation, {kNan, 0.0, 0.0}}, 0.1, {});
+    for (const double tolerance : {0.0, -1.0, 2.0, kNan}) refuses(start, 0.1, {.tolerance = tolerance});
+    for (const dvec3& moments : {dvec3{0.0, 1.0, 1.0}, dvec3{-1.0, 1.0, 1.0}, dvec3{kNan, 1.0, 1.0}}) {
+        EXPECT_EQ(classify(moments).moments, dvec3{1.0});
+        EXPECT_EQ(reports, ++asked);
+    }
+    set_error_handler(before);
+    EXPECT_LE(count_cycles({kIdentityRotation, {0.0, 1e3, 1.0}}, classify({1e-30, 1.0, 1.5}), 1.0, {}), 1'000'001);
 }
 
 }  // namespace
