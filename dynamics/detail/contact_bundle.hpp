@@ -38,10 +38,14 @@ struct alignas(16) SolverBase {
     float gyroscopic[4] = {};  ///< change of spin a substep [rad/s], and the kick along z
 };
 
+/// A vector of each lane in its manifold's frame: along the normal and along its two tangents (see contact_lanes.hpp).
+struct alignas(64) FrameVectors {
+    Wide<float> n{}, t1{}, t2{};
+};
+
 struct alignas(64) PointLanes {
-    Wide<float> ax{}, ay{}, az{};        ///< contact point from A's centre of mass [m]
-    Wide<float> bx{}, by{}, bz{};        ///< and from B's
-    Wide<float> separation{};            ///< at the start of the step, less dot(b - a, normal) [m]
+    FrameVectors a, b;                   ///< contact point from each body's centre of mass [m]
+    Wide<float> separation{};            ///< at the start of the step [m]
     Wide<float> normal_mass{};           ///< effective mass along the normal; zero in unused lanes and points
     Wide<float> tangent_mass{};          ///< 1 / largest eigenvalue of the tangent plane's inverse mass
     Wide<float> normal_impulse{};        ///< accumulated over a substep [N s]
@@ -49,9 +53,17 @@ struct alignas(64) PointLanes {
     Wide<float> gap{};                   ///< separation where the bodies are, as the last pass found it [m]
 };
 
+/// A body's inverse mass and, in the manifold's frame, its inverse inertia: its diagonal and what lies beside it.
+struct alignas(64) FrameMass {
+    FrameVectors diagonal;
+    Wide<float> n1{}, n2{}, t12{};
+    Wide<float> inverse_mass{};
+};
+
 struct alignas(64) ContactBundle {
     Wide<std::int32_t> row_a{}, row_b{};  ///< rows of SolverBody; unused lanes point at the row that never moves
     Wide<float> nx{}, ny{}, nz{};         ///< normal from A to B
+    FrameMass a, b;
     Wide<float> friction{};
     Wide<float> turns_a{}, turns_b{};     ///< 0 where the body is a ball: its contact point does not turn with it; 1 elsewhere
     Wide<float> bias_rate{}, mass_scale{}, impulse_scale{};  ///< soft contact (see soft_contact)

@@ -13,62 +13,91 @@ namespace {
 
 using dynamics::SolveSettings;
 
-Floats3 lever_a(const PointLanes& p, int lane) { return {get(p.ax, lane), get(p.ay, lane), get(p.az, lane)}; }
-Floats3 lever_b(const PointLanes& p, int lane) { return {get(p.bx, lane), get(p.by, lane), get(p.bz, lane)}; }
-
-/// Where the bodies of each lane went since the start of the step.
-struct Displacement {
-    Floats3 shift;
-    Floats3 turn;
-    Floats turn_w;
-
-    Floats3 at(const Floats3& r) const {
-        const Floats two = broadcast(2.0f);
-        const Floats3 t = two * cross(turn, r);
-        return shift + r + turn_w * t + cross(turn, t);
-    }
+/// How the two bodies of each lane move against each other, in the frame of the manifold: what a pass carries from point to point.
+struct Relative {
+    Floats3 velocity;          ///< of B's centre of mass less A's [m/s]
+    Floats3 spin_a, spin_b;    ///< [rad/s]
+    Floats3 impulse;           ///< on B, and against A, so far [N s]
 };
 
-CAROM_PASS_INLINE Displacement read_displacement(const SolverBodies& all, const std::int32_t* rows, Floats turns) {
+CAROM_PASS_INLINE Relative relative_motion(const Basis& basis, const Motion& a, const Motion& b) {
+    const Floats zero = broadcast(0.0f);
+    return {to_frame(basis, b.v - a.v), to_frame(basis, a.w), to_frame(basis, b.w), {zero, zero, zero}};
+}
+
+/// Both bodies' masses.
+struct Masses {
+    Symmetric a, b;
+    Floats inverse_a, inverse_b;
+};
+
+CAROM_PASS_INLINE Masses read_masses(const ContactBundle& c, int lane) {
+    return {read_inertia(c.a, lane), read_inertia(c.b, lane), get(c.a.inverse_mass, lane), get(c.b.inverse_mass, lane)};
+}
+
+/// What the pass changed goes to the bodies: what it left alone keeps its bits.
+CAROM_PASS_INLINE void write_back(SolverBodies& all, const ContactBundle& c, int lane, const Basis& basis, const Masses& masses,
+                                  const Relative& before, const Relative& after, Motion& a, Motion& b) {
+    const Floats3 impulse = from_frame(basis, after.impulse);
+    a.v = a.v - masses.inverse_a * impulse;
+    b.v = b.v + masses.inverse_b * impulse;
+    a.w = a.w + from_frame(basis, after.spin_a - before.spin_a);
+    b.w = b.w + from_frame(basis, after.spin_b - before.spin_b);
+    write_motion(all, c.row_a.data() + lane, a);
+    write_motion(all, c.row_b.data() + lane, b);
+}
+
+/// Where a body of each lane went since the start of the step, as far as it shows along the normal.
+struct Displacement {
+    Floats shift;     ///< of the centre of mass
+    Floats3 turned;   ///< the normal as the turned body sees it, less the normal: times a lever arm, what the turn moves that point by
+};
+
+CAROM_PASS_INLINE Displacement read_displacement(const SolverBodies& all, const std::int32_t* rows, Floats turns, const Basis& basis) {
     const float* body = reinterpret_cast<const float*>(all.bodies.data());
-    Floats sx, sy, sz, tx, ty, tz, tw, unused;
+    Floats sx, sy, sz, tx, ty, tz, w, unused;
     gather_rows(body, rows, kBodyStride, 8, sx, sy, sz, unused);
-    gather_rows(body, rows, kBodyStride, 12, tx, ty, tz, tw);
-    return {{sx, sy, sz}, {turns * tx, turns * ty, turns * tz}, tw};
+    gather_rows(body, rows, kBodyStride, 12, tx, ty, tz, w);
+    const Floats3 q = to_frame(basis, Floats3{tx, ty, tz});
+    const Floats two = broadcast(2.0f) * turns;
+    return {dot(Floats3{sx, sy, sz}, basis.n), two * Floats3{-(q.y * q.y + q.z * q.z), q.x * q.y - w * q.z, q.x * q.z + w * q.y}};
 }
 
 HWY_INLINE Displacement no_displacement() {
     const Floats zero = broadcast(0.0f);
-    return {{zero, zero, zero}, {zero, zero, zero}, zero};
+    return {zero, {zero, zero, zero}};
 }
 
 void warm_start_bundle(ContactBundle& c, SolverBodies& all, int lane) {
-    Bodies a = read_bodies(all, c.row_a.data() + lane);
-    Bodies b = read_bodies(all, c.row_b.data() + lane);
+    Motion a = read_motion(all, c.row_a.data() + lane);
+    Motion b = read_motion(all, c.row_b.data() + lane);
     const Basis basis = make_basis(c, lane);
+    const Masses masses = read_masses(c, lane);
+    const Relative before = relative_motion(basis, a, b);
+    const Floats zero = broadcast(0.0f);
+    Floats3 impulse{zero, zero, zero}, torque_a = impulse, torque_b = impulse;
     for (int k = 0; k < c.point_count; ++k) {
         const PointLanes& p = c.points[static_cast<std::size_t>(k)];
-        const Floats3 impulse = get(p.normal_impulse, lane) * basis.n + get(p.tangent_impulse_1, lane) * basis.t1 +
-                                get(p.tangent_impulse_2, lane) * basis.t2;
-        a.pull(impulse, lever_a(p, lane));
-        b.push(impulse, lever_b(p, lane));
+        const Floats3 of_point{get(p.normal_impulse, lane), get(p.tangent_impulse_1, lane), get(p.tangent_impulse_2, lane)};
+        impulse = impulse + of_point;
+        torque_a = torque_a + cross(get3(p.a, lane), of_point);
+        torque_b = torque_b + cross(get3(p.b, lane), of_point);
     }
-    write_bodies(all, c.row_a.data() + lane, a);
-    write_bodies(all, c.row_b.data() + lane, b);
+    const Relative after{before.velocity, before.spin_a - masses.a * torque_a, before.spin_b + masses.b * torque_b, impulse};
+    write_back(all, c, lane, basis, masses, before, after, a, b);
 }
 
 /// Coulomb friction in the tangent plane: one scalar step in both directions, then back radially into the circle.
 /// @param to_speed  about 1 / tangent mass: lengths are compared as speeds, whose squares fit into floats at any mass.
-CAROM_PASS_INLINE void solve_friction(PointLanes& p, int lane, Floats friction, Floats to_speed, const Basis& basis, Bodies& a,
-                               Bodies& b) {
-    const Floats3 ra = lever_a(p, lane);
-    const Floats3 rb = lever_b(p, lane);
-    const Floats3 dv = b.velocity_at(rb) - a.velocity_at(ra);
+CAROM_PASS_INLINE void solve_friction(PointLanes& p, int lane, Floats friction, Floats to_speed, const Masses& masses, Relative& m) {
+    const Floats3 ra = get3(p.a, lane), rb = get3(p.b, lane);
+    const Floats v1 = m.velocity.y + ((m.spin_b.z * rb.x - m.spin_b.x * rb.z) - (m.spin_a.z * ra.x - m.spin_a.x * ra.z));
+    const Floats v2 = m.velocity.z + ((m.spin_b.x * rb.y - m.spin_b.y * rb.x) - (m.spin_a.x * ra.y - m.spin_a.y * ra.x));
     const Floats mass = get(p.tangent_mass, lane);
     const Floats old1 = get(p.tangent_impulse_1, lane);
     const Floats old2 = get(p.tangent_impulse_2, lane);
-    const Floats new1 = old1 - mass * dot(dv, basis.t1);
-    const Floats new2 = old2 - mass * dot(dv, basis.t2);
+    const Floats new1 = old1 - mass * v1;
+    const Floats new2 = old2 - mass * v2;
     const Floats limit = friction * (get(p.normal_impulse, lane) * to_speed);
     const Floats speed1 = new1 * to_speed;
     const Floats speed2 = new2 * to_speed;
@@ -83,9 +112,14 @@ CAROM_PASS_INLINE void solve_friction(PointLanes& p, int lane, Floats friction, 
     }
     put(p.tangent_impulse_1, lane, clamped1);
     put(p.tangent_impulse_2, lane, clamped2);
-    const Floats3 impulse = (clamped1 - old1) * basis.t1 + (clamped2 - old2) * basis.t2;
-    a.pull(impulse, ra);
-    b.push(impulse, rb);
+    const Floats p1 = clamped1 - old1, p2 = clamped2 - old2;
+    const Floats inverse_mass = masses.inverse_a + masses.inverse_b;
+    m.velocity.y = m.velocity.y + inverse_mass * p1;
+    m.velocity.z = m.velocity.z + inverse_mass * p2;
+    m.impulse.y = m.impulse.y + p1;
+    m.impulse.z = m.impulse.z + p2;
+    m.spin_a = m.spin_a - masses.a * Floats3{ra.y * p2 - ra.z * p1, -(ra.x * p2), ra.x * p1};
+    m.spin_b = m.spin_b + masses.b * Floats3{rb.y * p2 - rb.z * p1, -(rb.x * p2), rb.x * p1};
 }
 
 /// A pair at its push limit is parted at least at this share of the limit ...
@@ -100,7 +134,7 @@ struct SoftLanes {
 
 template <bool kBias>
 CAROM_PASS_INLINE void solve_normal(PointLanes& p, int lane, const SoftLanes& soft, const SolveSettings& settings,
-                  const Basis& basis, Bodies& a, Bodies& b) {
+                                    const Masses& masses, Relative& m) {
     const Floats separation = get(p.gap, lane);
     const Floats zero = broadcast(0.0f);
     const Floats one = broadcast(1.0f);
@@ -114,9 +148,8 @@ CAROM_PASS_INLINE void solve_normal(PointLanes& p, int lane, const SoftLanes& so
         mass_scale = select(apart, one, soft.mass_scale);
         impulse_scale = select(apart, zero, soft.impulse_scale);
     }
-    const Floats3 ra = lever_a(p, lane);
-    const Floats3 rb = lever_b(p, lane);
-    const Floats vn = dot(b.velocity_at(rb) - a.velocity_at(ra), basis.n);
+    const Floats3 ra = get3(p.a, lane), rb = get3(p.b, lane);
+    const Floats vn = m.velocity.x + ((m.spin_b.y * rb.z - m.spin_b.z * rb.y) - (m.spin_a.y * ra.z - m.spin_a.z * ra.y));
     const Floats old = get(p.normal_impulse, lane);
     const Floats mass = get(p.normal_mass, lane);
     Floats change = -(mass * mass_scale * (vn + bias)) - impulse_scale * old;
@@ -132,9 +165,11 @@ CAROM_PASS_INLINE void solve_normal(PointLanes& p, int lane, const SoftLanes& so
     }
     const Floats accumulated = max(old + change, zero);
     put(p.normal_impulse, lane, accumulated);
-    const Floats3 impulse = (accumulated - old) * basis.n;
-    a.pull(impulse, ra);
-    b.push(impulse, rb);
+    const Floats impulse = accumulated - old;
+    m.velocity.x = m.velocity.x + (masses.inverse_a + masses.inverse_b) * impulse;
+    m.impulse.x = m.impulse.x + impulse;
+    m.spin_a = m.spin_a - masses.a.times(ra.z * impulse, -(ra.y * impulse));
+    m.spin_b = m.spin_b + masses.b.times(rb.z * impulse, -(rb.y * impulse));
 }
 
 /// @tparam kGapsKnown  see SolveSettings.
@@ -142,11 +177,14 @@ template <bool kBias, bool kGapsKnown>
 void solve_bundle(ContactBundle& c, SolverBodies& all, const SolveSettings& settings, int lane) {
     const std::int32_t* rows_a = c.row_a.data() + lane;
     const std::int32_t* rows_b = c.row_b.data() + lane;
-    Bodies a = read_bodies(all, rows_a);
-    Bodies b = read_bodies(all, rows_b);
-    const Displacement da = kGapsKnown ? no_displacement() : read_displacement(all, rows_a, get(c.turns_a, lane));
-    const Displacement db = kGapsKnown ? no_displacement() : read_displacement(all, rows_b, get(c.turns_b, lane));
+    Motion a = read_motion(all, rows_a);
+    Motion b = read_motion(all, rows_b);
     const Basis basis = make_basis(c, lane);
+    const Displacement da = kGapsKnown ? no_displacement() : read_displacement(all, rows_a, get(c.turns_a, lane), basis);
+    const Displacement db = kGapsKnown ? no_displacement() : read_displacement(all, rows_b, get(c.turns_b, lane), basis);
+    const Masses masses = read_masses(c, lane);
+    const Relative before = relative_motion(basis, a, b);
+    Relative now = before;
     const Floats friction = get(c.friction, lane);
     const SoftLanes soft{get(c.bias_rate, lane), get(c.mass_scale, lane), get(c.impulse_scale, lane),
                          get(c.push_limit, lane)};
@@ -154,15 +192,17 @@ void solve_bundle(ContactBundle& c, SolverBodies& all, const SolveSettings& sett
     const Mask used = first_mass > broadcast(0.0f);
     const Floats to_speed = select(used, broadcast(1.0f) / select(used, first_mass, broadcast(1.0f)), broadcast(0.0f));
     for (int k = 0; k < c.point_count; ++k) {
-        solve_friction(c.points[static_cast<std::size_t>(k)], lane, friction, to_speed, basis, a, b);
+        solve_friction(c.points[static_cast<std::size_t>(k)], lane, friction, to_speed, masses, now);
     }
     for (int k = 0; k < c.point_count; ++k) {
         PointLanes& p = c.points[static_cast<std::size_t>(k)];
-        if constexpr (!kGapsKnown) put(p.gap, lane, dot(db.at(lever_b(p, lane)) - da.at(lever_a(p, lane)), basis.n) + get(p.separation, lane));
-        solve_normal<kBias>(p, lane, soft, settings, basis, a, b);
+        if constexpr (!kGapsKnown) {
+            const Floats turned = dot(db.turned, get3(p.b, lane)) - dot(da.turned, get3(p.a, lane));
+            put(p.gap, lane, get(p.separation, lane) + ((db.shift - da.shift) + turned));
+        }
+        solve_normal<kBias>(p, lane, soft, settings, masses, now);
     }
-    write_bodies(all, rows_a, a);
-    write_bodies(all, rows_b, b);
+    write_back(all, c, lane, basis, masses, before, now, a, b);
 }
 
 void WarmStart(std::span<ContactBundle> bundles, SolverBodies& bodies) {

@@ -1,4 +1,4 @@
-// What the contact kernels share: the two bodies of each lane, and the lanes of a bundle. Compiled once for each target.
+// What the contact kernels share: the lanes of a bundle, the frame of its manifolds, and their bodies. Compiled once for each target.
 
 #if defined(CAROM_DYNAMICS_CONTACT_LANES_HPP) == defined(HWY_TARGET_TOGGLE)
 #ifdef CAROM_DYNAMICS_CONTACT_LANES_HPP
@@ -29,7 +29,6 @@ using dynamics::PointLanes;
 using dynamics::SolverBodies;
 
 constexpr std::size_t kBodyStride = sizeof(dynamics::SolverBody) / sizeof(float);
-constexpr std::size_t kMassStride = sizeof(dynamics::SolverMass) / sizeof(float);
 
 template <class Array>
 Floats get(const Array& lanes, int lane) {
@@ -38,45 +37,6 @@ Floats get(const Array& lanes, int lane) {
 template <class Array>
 void put(Array& lanes, int lane, Floats value) {
     store(value, lanes.data() + lane);
-}
-
-/// One body of each lane: its motion and its inverse mass.
-struct Bodies {
-    Floats3 v, w;
-    Floats ixx, iyy, izz, ixy, ixz, iyz, inverse_mass;
-
-    /// Velocity change by the impulse ±p at lever arm r.
-    void push(const Floats3& p, const Floats3& r) {
-        v = v + inverse_mass * p;
-        w = w + turned(cross(r, p));
-    }
-    void pull(const Floats3& p, const Floats3& r) {
-        v = v - inverse_mass * p;
-        w = w - turned(cross(r, p));
-    }
-    Floats3 turned(const Floats3& t) const {
-        return {ixx * t.x + ixy * t.y + ixz * t.z, ixy * t.x + iyy * t.y + iyz * t.z, ixz * t.x + iyz * t.y + izz * t.z};
-    }
-    Floats3 velocity_at(const Floats3& r) const { return v + cross(w, r); }
-};
-
-CAROM_PASS_INLINE Bodies read_bodies(const SolverBodies& all, const std::int32_t* rows) {
-    const float* body = reinterpret_cast<const float*>(all.bodies.data());
-    const float* mass = reinterpret_cast<const float*>(all.masses.data());
-    // GCC 12 compiles implicit constructors of aggregates for the baseline target: fill them from locals.
-    Floats vx, vy, vz, wx, wy, wz, ixx, iyy, izz, ixy, ixz, iyz, inverse_mass, unused;
-    gather_rows(body, rows, kBodyStride, 0, vx, vy, vz, unused);
-    gather_rows(body, rows, kBodyStride, 4, wx, wy, wz, unused);
-    gather_rows(mass, rows, kMassStride, 0, ixx, iyy, izz, inverse_mass);
-    gather_rows(mass, rows, kMassStride, 4, ixy, ixz, iyz, unused);
-    return {{vx, vy, vz}, {wx, wy, wz}, ixx, iyy, izz, ixy, ixz, iyz, inverse_mass};
-}
-
-CAROM_PASS_INLINE void write_bodies(SolverBodies& all, const std::int32_t* rows, const Bodies& b) {
-    float* body = reinterpret_cast<float*>(all.bodies.data());
-    const Floats zero = broadcast(0.0f);
-    scatter_rows(body, rows, kBodyStride, 0, b.v.x, b.v.y, b.v.z, zero, all.movable);
-    scatter_rows(body, rows, kBodyStride, 4, b.w.x, b.w.y, b.w.z, zero, all.movable);
 }
 
 struct Basis {
@@ -91,6 +51,52 @@ CAROM_PASS_INLINE Basis make_basis(const ContactBundle& c, int lane) {
     const Floats a = -one / (sign + n.z);
     const Floats b = n.x * n.y * a;
     return {n, {one + sign * n.x * n.x * a, sign * b, -sign * n.x}, {b, sign + n.y * n.y * a, -n.y}};
+}
+
+/// A vector in the frame of a basis: x along the normal, y and z along the tangents. The frame is right-handed.
+CAROM_PASS_INLINE Floats3 to_frame(const Basis& basis, const Floats3& v) { return {dot(v, basis.n), dot(v, basis.t1), dot(v, basis.t2)}; }
+CAROM_PASS_INLINE Floats3 from_frame(const Basis& basis, const Floats3& v) { return v.x * basis.n + (v.y * basis.t1 + v.z * basis.t2); }
+
+CAROM_PASS_INLINE Floats3 get3(const dynamics::FrameVectors& v, int lane) { return {get(v.n, lane), get(v.t1, lane), get(v.t2, lane)}; }
+CAROM_PASS_INLINE void put3(dynamics::FrameVectors& v, int lane, const Floats3& value) {
+    put(v.n, lane, value.x), put(v.t1, lane, value.y), put(v.t2, lane, value.z);
+}
+
+/// A symmetric matrix of each lane.
+struct Symmetric {
+    Floats3 diagonal;
+    Floats xy, xz, yz;
+
+    Floats3 operator*(const Floats3& v) const {
+        return {diagonal.x * v.x + (xy * v.y + xz * v.z), diagonal.y * v.y + (xy * v.x + yz * v.z), diagonal.z * v.z + (xz * v.x + yz * v.y)};
+    }
+    /// The product with (0, y, z), which is what a push along the normal turns about.
+    Floats3 times(Floats y, Floats z) const { return {xy * y + xz * z, diagonal.y * y + yz * z, yz * y + diagonal.z * z}; }
+};
+
+CAROM_PASS_INLINE Symmetric read_inertia(const dynamics::FrameMass& m, int lane) {
+    return {get3(m.diagonal, lane), get(m.n1, lane), get(m.n2, lane), get(m.t12, lane)};
+}
+
+/// The motion of one body of each lane, in world axes.
+struct Motion {
+    Floats3 v, w;
+};
+
+CAROM_PASS_INLINE Motion read_motion(const SolverBodies& all, const std::int32_t* rows) {
+    const float* body = reinterpret_cast<const float*>(all.bodies.data());
+    // GCC 12 compiles implicit constructors of aggregates for the baseline target: fill them from locals.
+    Floats vx, vy, vz, wx, wy, wz, unused;
+    gather_rows(body, rows, kBodyStride, 0, vx, vy, vz, unused);
+    gather_rows(body, rows, kBodyStride, 4, wx, wy, wz, unused);
+    return {{vx, vy, vz}, {wx, wy, wz}};
+}
+
+CAROM_PASS_INLINE void write_motion(SolverBodies& all, const std::int32_t* rows, const Motion& m) {
+    float* body = reinterpret_cast<float*>(all.bodies.data());
+    const Floats zero = broadcast(0.0f);
+    scatter_rows(body, rows, kBodyStride, 0, m.v.x, m.v.y, m.v.z, zero, all.movable);
+    scatter_rows(body, rows, kBodyStride, 4, m.w.x, m.w.y, m.w.z, zero, all.movable);
 }
 
 }  // namespace

@@ -33,10 +33,39 @@ struct WideManifold {
     Ints count;
 };
 
-/// Both bodies' inverse masses, felt at a point along two directions.
-Floats response(const Bodies& a, const Bodies& b, const Floats3& ra_x_u, const Floats3& rb_x_u, const Floats3& ra_x_v,
-                const Floats3& rb_x_v) {
-    return dot(a.turned(ra_x_u), ra_x_v) + dot(b.turned(rb_x_u), rb_x_v);
+constexpr std::size_t kMassStride = sizeof(dynamics::SolverMass) / sizeof(float);
+
+/// Both bodies of each lane.
+struct Masses {
+    Symmetric a, b;
+    Floats linear;  ///< sum of the inverse masses
+};
+
+/// @return the inverse inertia in the frame; the bundle has it too from now on.
+CAROM_PASS_INLINE Symmetric turn_mass(const SolverBodies& all, const std::int32_t* rows, const Basis& basis, dynamics::FrameMass& to, int lane) {
+    const auto* const mass = reinterpret_cast<const float*>(all.masses.data());
+    Floats xx, yy, zz, xy, xz, yz, inverse_mass, unused;
+    gather_rows(mass, rows, kMassStride, 0, xx, yy, zz, inverse_mass);
+    gather_rows(mass, rows, kMassStride, 4, xy, xz, yz, unused);
+    const Symmetric world{{xx, yy, zz}, xy, xz, yz};
+    const Floats3 n = world * basis.n, t1 = world * basis.t1, t2 = world * basis.t2;
+    const Symmetric turned{{dot(basis.n, n), dot(basis.t1, t1), dot(basis.t2, t2)}, dot(basis.n, t1), dot(basis.n, t2), dot(basis.t1, t2)};
+    put3(to.diagonal, lane, turned.diagonal);
+    put(to.n1, lane, turned.xy), put(to.n2, lane, turned.xz), put(to.t12, lane, turned.yz);
+    put(to.inverse_mass, lane, inverse_mass);
+    return turned;
+}
+
+/// An inverse inertia felt at a lever arm: along the normal, and within the plane of the tangents.
+struct Response {
+    Floats nn, k11, k22, k12;
+};
+
+CAROM_PASS_INLINE Response response(const Symmetric& i, const Floats3& r) {
+    // r x n = (0, z, -y), r x t1 = (-z, 0, x), r x t2 = (y, -x, 0)
+    const Floats zero = broadcast(0.0f);
+    const Floats3 n = i.times(r.z, -r.y), t1 = i * Floats3{-r.z, zero, r.x}, t2 = i * Floats3{r.y, -r.x, zero};
+    return {r.z * n.y - r.y * n.z, r.x * t1.z - r.z * t1.x, r.y * t2.x - r.x * t2.y, r.y * t1.x - r.x * t1.y};
 }
 
 Floats inverse_or_zero(Floats x, Mask used) {
@@ -52,22 +81,17 @@ struct WidePoint {
     Mask used;
 };
 
-CAROM_PASS_INLINE void prepare_point(PointLanes& p, int lane, const WideManifold& m, const WidePoint& point, const Basis& basis, const Bodies& a,
-                                     const Bodies& b) {
+CAROM_PASS_INLINE void prepare_point(PointLanes& p, int lane, const WideManifold& m, const WidePoint& point, const Basis& basis,
+                                     const Masses& masses) {
     const Floats zero = broadcast(0.0f);
     const Mask used = point.used;
     const Floats3 none{zero, zero, zero};
-    const Floats3 ra = select(used, m.origin_a + point.position, none), rb = select(used, m.origin_b + point.position, none);
-    put(p.ax, lane, ra.x), put(p.ay, lane, ra.y), put(p.az, lane, ra.z);
-    put(p.bx, lane, rb.x), put(p.by, lane, rb.y), put(p.bz, lane, rb.z);
-    const Floats linear = a.inverse_mass + b.inverse_mass;
-    const Floats3 an = cross(ra, basis.n), bn = cross(rb, basis.n);
-    const Floats3 a1 = cross(ra, basis.t1), b1 = cross(rb, basis.t1);
-    const Floats3 a2 = cross(ra, basis.t2), b2 = cross(rb, basis.t2);
-    put(p.normal_mass, lane, inverse_or_zero(linear + response(a, b, an, bn, an, bn), used));
-    const Floats k11 = linear + response(a, b, a1, b1, a1, b1);
-    const Floats k22 = linear + response(a, b, a2, b2, a2, b2);
-    const Floats k12 = response(a, b, a1, b1, a2, b2);
+    const Floats3 ra = to_frame(basis, select(used, m.origin_a + point.position, none));
+    const Floats3 rb = to_frame(basis, select(used, m.origin_b + point.position, none));
+    put3(p.a, lane, ra), put3(p.b, lane, rb);
+    const Response a = response(masses.a, ra), b = response(masses.b, rb);
+    put(p.normal_mass, lane, inverse_or_zero(masses.linear + (a.nn + b.nn), used));
+    const Floats k11 = masses.linear + (a.k11 + b.k11), k22 = masses.linear + (a.k22 + b.k22), k12 = a.k12 + b.k12;
     // The largest eigenvalue, from entries divided by the trace: their squares would leave the range of floats.
     const Floats trace = k11 + k22;
     const Floats scale = select(trace > broadcast(0.0f), trace, broadcast(1.0f));
@@ -75,7 +99,7 @@ CAROM_PASS_INLINE void prepare_point(PointLanes& p, int lane, const WideManifold
     const Floats off_diagonal = k12 / scale;
     const Floats largest = trace * (broadcast(0.5f) + sqrt(half_difference * half_difference + off_diagonal * off_diagonal));
     put(p.tangent_mass, lane, inverse_or_zero(largest, used));
-    put(p.separation, lane, point.separation - dot(rb - ra, basis.n));
+    put(p.separation, lane, point.separation);
     put(p.normal_impulse, lane, point.normal_impulse);
     put(p.tangent_impulse_1, lane, dot(point.friction_impulse, basis.t1));
     put(p.tangent_impulse_2, lane, dot(point.friction_impulse, basis.t2));
@@ -137,16 +161,17 @@ void prepare_bundle(ContactBundle& c, const PrepareInput& in) {
         // Points that no lane of this part has, but one of another part, are no-ops here.
         for (std::int32_t k = c.point_count; kLanes < kBundleWidth && k < most; ++k) c.points[static_cast<std::size_t>(k)] = PointLanes{};
         c.point_count = most > c.point_count ? most : c.point_count;
-        const Bodies a = read_bodies(in.bodies, c.row_a.data() + lane);
-        const Bodies b = read_bodies(in.bodies, c.row_b.data() + lane);
         const Basis basis = make_basis(c, lane);
+        const Symmetric inertia_a = turn_mass(in.bodies, c.row_a.data() + lane, basis, c.a, lane);
+        const Symmetric inertia_b = turn_mass(in.bodies, c.row_b.data() + lane, basis, c.b, lane);
+        const Masses masses{inertia_a, inertia_b, get(c.a.inverse_mass, lane) + get(c.b.inverse_mass, lane)};
         const Floats bias_rate = get(c.bias_rate, lane), push_limit = get(c.push_limit, lane);
         alignas(64) std::int32_t index[kLanes];
         store(m.index, index);
         for (std::int32_t k = 0; k < most; ++k) {
             const WidePoint point = read_point(m, index, static_cast<std::size_t>(k), in);
             c.deep += static_cast<std::int32_t>(hwy::PopCount(bits(point.used & (bias_rate * point.separation < -push_limit))));
-            prepare_point(c.points[static_cast<std::size_t>(k)], lane, m, point, basis, a, b);
+            prepare_point(c.points[static_cast<std::size_t>(k)], lane, m, point, basis, masses);
         }
     }
 }
