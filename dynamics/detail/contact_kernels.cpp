@@ -118,8 +118,8 @@ CAROM_PASS_INLINE void solve_friction(PointLanes& p, int lane, Floats friction, 
     m.velocity.z = m.velocity.z + inverse_mass * p2;
     m.impulse.y = m.impulse.y + p1;
     m.impulse.z = m.impulse.z + p2;
-    m.spin_a = m.spin_a - masses.a * Floats3{ra.y * p2 - ra.z * p1, -(ra.x * p2), ra.x * p1};
-    m.spin_b = m.spin_b + masses.b * Floats3{rb.y * p2 - rb.z * p1, -(rb.x * p2), rb.x * p1};
+    m.spin_a = m.spin_a - (p1 * along_t1(masses.a, ra) + p2 * along_t2(masses.a, ra));
+    m.spin_b = m.spin_b + (p1 * along_t1(masses.b, rb) + p2 * along_t2(masses.b, rb));
 }
 
 /// A pair at its push limit is parted at least at this share of the limit ...
@@ -168,8 +168,8 @@ CAROM_PASS_INLINE void solve_normal(PointLanes& p, int lane, const SoftLanes& so
     const Floats impulse = accumulated - old;
     m.velocity.x = m.velocity.x + (masses.inverse_a + masses.inverse_b) * impulse;
     m.impulse.x = m.impulse.x + impulse;
-    m.spin_a = m.spin_a - masses.a.times(ra.z * impulse, -(ra.y * impulse));
-    m.spin_b = m.spin_b + masses.b.times(rb.z * impulse, -(rb.y * impulse));
+    m.spin_a = m.spin_a - impulse * along_n(masses.a, ra);
+    m.spin_b = m.spin_b + impulse * along_n(masses.b, rb);
 }
 
 /// @tparam kGapsKnown  see SolveSettings.

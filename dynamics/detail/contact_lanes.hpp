@@ -70,9 +70,18 @@ struct Symmetric {
     Floats3 operator*(const Floats3& v) const {
         return {diagonal.x * v.x + (xy * v.y + xz * v.z), diagonal.y * v.y + (xy * v.x + yz * v.z), diagonal.z * v.z + (xz * v.x + yz * v.y)};
     }
-    /// The product with (0, y, z), which is what a push along the normal turns about.
-    Floats3 times(Floats y, Floats z) const { return {xy * y + xz * z, diagonal.y * y + yz * z, yz * y + diagonal.z * z}; }
 };
+
+/// What a unit push at the lever arm r, along the normal or a tangent, changes the spin by.
+CAROM_PASS_INLINE Floats3 along_n(const Symmetric& i, const Floats3& r) {
+    return {i.xy * r.z - i.xz * r.y, i.diagonal.y * r.z - i.yz * r.y, i.yz * r.z - i.diagonal.z * r.y};
+}
+CAROM_PASS_INLINE Floats3 along_t1(const Symmetric& i, const Floats3& r) {
+    return {i.xz * r.x - i.diagonal.x * r.z, i.yz * r.x - i.xy * r.z, i.diagonal.z * r.x - i.xz * r.z};
+}
+CAROM_PASS_INLINE Floats3 along_t2(const Symmetric& i, const Floats3& r) {
+    return {i.diagonal.x * r.y - i.xy * r.x, i.xy * r.y - i.diagonal.y * r.x, i.xz * r.y - i.yz * r.x};
+}
 
 CAROM_PASS_INLINE Symmetric read_inertia(const dynamics::FrameMass& m, int lane) {
     return {get3(m.diagonal, lane), get(m.n1, lane), get(m.n2, lane), get(m.t12, lane)};

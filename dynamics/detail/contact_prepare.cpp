@@ -62,9 +62,7 @@ struct Response {
 };
 
 CAROM_PASS_INLINE Response response(const Symmetric& i, const Floats3& r) {
-    // r x n = (0, z, -y), r x t1 = (-z, 0, x), r x t2 = (y, -x, 0)
-    const Floats zero = broadcast(0.0f);
-    const Floats3 n = i.times(r.z, -r.y), t1 = i * Floats3{-r.z, zero, r.x}, t2 = i * Floats3{r.y, -r.x, zero};
+    const Floats3 n = along_n(i, r), t1 = along_t1(i, r), t2 = along_t2(i, r);
     return {r.z * n.y - r.y * n.z, r.x * t1.z - r.z * t1.x, r.y * t2.x - r.x * t2.y, r.y * t1.x - r.x * t1.y};
 }
 
