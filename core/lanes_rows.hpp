@@ -109,6 +109,48 @@ HWY_INLINE void scatter_rows(float* base, const std::int32_t* rows, std::size_t 
 #endif
 }
 
+namespace detail {
+
+#if HWY_TARGET != HWY_SCALAR
+/// Adds eight floats of each of `rows`, whose low halves stand in the blocks of `low` and whose high halves in those of `high`.
+template <int lanes, class V>
+HWY_INLINE void add_blocks(V low, V high, float* base, const std::int32_t* rows, std::size_t stride, std::int32_t limit) {
+    if constexpr (lanes == 4) {
+        if (rows[0] >= limit) return;
+        float* const row = base + static_cast<std::size_t>(rows[0]) * stride;
+        hn::Store(hn::Add(hn::Load(BlockTag(), row), low), BlockTag(), row);
+        hn::Store(hn::Add(hn::Load(BlockTag(), row + 4), high), BlockTag(), row + 4);
+    } else if constexpr (lanes == 8) {  // a row is as long as a register
+        const hn::Simd<float, lanes, 0> whole;
+        float* const first = base + static_cast<std::size_t>(rows[0]) * stride;
+        if (rows[0] < limit) hn::Store(hn::Add(hn::Load(whole, first), hn::ConcatLowerLower(whole, high, low)), whole, first);
+        float* const second = base + static_cast<std::size_t>(rows[4]) * stride;
+        if (rows[4] < limit) hn::Store(hn::Add(hn::Load(whole, second), hn::ConcatUpperUpper(whole, high, low)), whole, second);
+    } else {
+        const hn::Simd<float, lanes / 2, 0> half;
+        add_blocks<lanes / 2>(hn::LowerHalf(half, low), hn::LowerHalf(half, high), base, rows, stride, limit);
+        add_blocks<lanes / 2>(hn::UpperHalf(half, low), hn::UpperHalf(half, high), base, rows + lanes / 2, stride, limit);
+    }
+}
+#endif
+
+}  // namespace detail
+
+/// Adds lane l of v[0 .. 7] to the eight floats at base + rows[l] * row_stride. Rows below the limit differ from lane to lane; `base` and
+/// `row_stride` keep every row 32-byte aligned.
+/// @param limit  rows >= limit are left alone, and not read.
+HWY_INLINE void add_rows(float* base, const std::int32_t* rows, std::size_t row_stride, Floats (&v)[8], std::int32_t limit) {
+#if HWY_TARGET == HWY_SCALAR
+    if (rows[0] >= limit) return;
+    float* row = base + static_cast<std::size_t>(rows[0]) * row_stride;
+    for (std::size_t k = 0; k < 8; ++k) hn::StoreU((Floats{row[k]} + v[k]).raw, FloatTag(), row + k);
+#else
+    transpose_blocks(v[0], v[1], v[2], v[3]);
+    transpose_blocks(v[4], v[5], v[6], v[7]);
+    for (int k = 0; k < 4; ++k) detail::add_blocks<kLanes>(v[k].raw, v[4 + k].raw, base, rows + k, row_stride, limit);
+#endif
+}
+
 }  // namespace carom::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 

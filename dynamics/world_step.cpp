@@ -4,6 +4,7 @@
 #include <carom/dynamics/detail/step.hpp>
 #include <carom/dynamics/detail/world_impl.hpp>
 
+#include <algorithm>
 #include <utility>
 
 namespace carom {
@@ -45,6 +46,11 @@ void World::Impl::integrate_free_bodies(bool looked, double dt) {
             dynamics::integrate_free(arrays.states[slot], arrays.masses[slot], free_motion(slot), dt);
         }
     });
+}
+
+void World::Impl::note_substep(double dt) noexcept {
+    constexpr double kStiffening = 1.0 / 80.0;  // of the time that passes: over some ten periods of the contacts
+    soft_substep = std::max(dt / def.substeps, soft_substep - kStiffening * dt);
 }
 
 void World::Impl::forget_pushes() {
@@ -89,6 +95,7 @@ StepReport World::step(double dt) {
     if (dt == 0.0) return {};
 
     Impl& w = *impl_;
+    w.note_substep(dt);
     Executor& executor = w.executor();
     dynamics::Step step(dt);
     step.run(Stage::Quarantine, [&] { w.quarantine_unusable(dt, step.report); });

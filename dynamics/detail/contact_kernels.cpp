@@ -35,16 +35,12 @@ CAROM_PASS_INLINE Masses read_masses(const ContactBundle& c, int lane) {
     return {read_inertia(c.a, lane), read_inertia(c.b, lane), get(c.a.inverse_mass, lane), get(c.b.inverse_mass, lane)};
 }
 
-/// What the pass changed goes to the bodies: what it left alone keeps its bits.
+/// Gives the bodies what a pass changed, in the frame of the manifold: what it left alone keeps its bits.
 CAROM_PASS_INLINE void write_back(SolverBodies& all, const ContactBundle& c, int lane, const Basis& basis, const Masses& masses,
-                                  const Relative& before, const Relative& after, Motion& a, Motion& b) {
-    const Floats3 impulse = from_frame(basis, after.impulse);
-    a.v = a.v - masses.inverse_a * impulse;
-    b.v = b.v + masses.inverse_b * impulse;
-    a.w = a.w + from_frame(basis, after.spin_a - before.spin_a);
-    b.w = b.w + from_frame(basis, after.spin_b - before.spin_b);
-    write_motion(all, c.row_a.data() + lane, a);
-    write_motion(all, c.row_b.data() + lane, b);
+                                  const Floats3& impulse, const Floats3& turn_a, const Floats3& turn_b) {
+    const Floats3 p = from_frame(basis, impulse);
+    add_motion(all, c.row_a.data() + lane, {-masses.inverse_a * p, from_frame(basis, turn_a)});
+    add_motion(all, c.row_b.data() + lane, {masses.inverse_b * p, from_frame(basis, turn_b)});
 }
 
 /// Where a body of each lane went since the start of the step, as far as it shows along the normal.
@@ -68,28 +64,56 @@ HWY_INLINE Displacement no_displacement() {
     return {zero, {zero, zero, zero}};
 }
 
-void warm_start_bundle(ContactBundle& c, SolverBodies& all, int lane) {
-    Motion a = read_motion(all, c.row_a.data() + lane);
-    Motion b = read_motion(all, c.row_b.data() + lane);
+void warm_start_bundle(const ContactBundle& c, SolverBodies& all, int lane) {
     const Basis basis = make_basis(c, lane);
     const Masses masses = read_masses(c, lane);
-    const Relative before = relative_motion(basis, a, b);
     const Floats zero = broadcast(0.0f);
     Floats3 impulse{zero, zero, zero}, torque_a = impulse, torque_b = impulse;
     for (int k = 0; k < c.point_count; ++k) {
         const PointLanes& p = c.points[static_cast<std::size_t>(k)];
         const Floats3 of_point{get(p.normal_impulse, lane), get(p.tangent_impulse_1, lane), get(p.tangent_impulse_2, lane)};
         impulse = impulse + of_point;
-        torque_a = torque_a + cross(get3(p.a, lane), of_point);
+        torque_a = torque_a - cross(get3(p.a, lane), of_point);
         torque_b = torque_b + cross(get3(p.b, lane), of_point);
     }
-    const Relative after{before.velocity, before.spin_a - masses.a * torque_a, before.spin_b + masses.b * torque_b, impulse};
-    write_back(all, c, lane, basis, masses, before, after, a, b);
+    write_back(all, c, lane, basis, masses, impulse, masses.a * torque_a, masses.b * torque_b);
+}
+
+struct SoftLanes {
+    Floats bias_rate, mass_scale, impulse_scale, push_limit;
+};
+
+/// A bundle in the middle of a pass.
+struct Begun {
+    Basis basis;
+    Displacement da, db;
+    Masses masses;
+    Relative before, now;
+    Floats friction;
+    Floats to_speed;  ///< about 1 / tangent mass: impulses are compared as speeds, whose squares fit into floats at any mass
+    SoftLanes soft;
+};
+
+template <bool kGapsKnown>
+CAROM_PASS_INLINE Begun begin(const ContactBundle& c, const SolverBodies& all, int lane) {
+    const std::int32_t* rows_a = c.row_a.data() + lane;
+    const std::int32_t* rows_b = c.row_b.data() + lane;
+    const Motion a = read_motion(all, rows_a), b = read_motion(all, rows_b);
+    const Basis basis = make_basis(c, lane);
+    const Displacement da = kGapsKnown ? no_displacement() : read_displacement(all, rows_a, get(c.turns_a, lane), basis);
+    const Displacement db = kGapsKnown ? no_displacement() : read_displacement(all, rows_b, get(c.turns_b, lane), basis);
+    const Relative motion = relative_motion(basis, a, b);
+    const Floats first_mass = get(c.points[0].tangent_mass, lane);
+    const Mask used = first_mass > broadcast(0.0f);
+    const Floats to_speed = select(used, broadcast(1.0f) / select(used, first_mass, broadcast(1.0f)), broadcast(0.0f));
+    return {basis, da, db, read_masses(c, lane), motion, motion, get(c.friction, lane), to_speed,
+            {get(c.bias_rate, lane), get(c.mass_scale, lane), get(c.impulse_scale, lane), get(c.push_limit, lane)}};
 }
 
 /// Coulomb friction in the tangent plane: one scalar step in both directions, then back radially into the circle.
-/// @param to_speed  about 1 / tangent mass: lengths are compared as speeds, whose squares fit into floats at any mass.
-CAROM_PASS_INLINE void solve_friction(PointLanes& p, int lane, Floats friction, Floats to_speed, const Masses& masses, Relative& m) {
+CAROM_PASS_INLINE void solve_friction(PointLanes& p, int lane, Begun& s) {
+    const Masses& masses = s.masses;
+    Relative& m = s.now;
     const Floats3 ra = get3(p.a, lane), rb = get3(p.b, lane);
     const Floats v1 = m.velocity.y + ((m.spin_b.z * rb.x - m.spin_b.x * rb.z) - (m.spin_a.z * ra.x - m.spin_a.x * ra.z));
     const Floats v2 = m.velocity.z + ((m.spin_b.x * rb.y - m.spin_b.y * rb.x) - (m.spin_a.x * ra.y - m.spin_a.y * ra.x));
@@ -98,9 +122,9 @@ CAROM_PASS_INLINE void solve_friction(PointLanes& p, int lane, Floats friction, 
     const Floats old2 = get(p.tangent_impulse_2, lane);
     const Floats new1 = old1 - mass * v1;
     const Floats new2 = old2 - mass * v2;
-    const Floats limit = friction * (get(p.normal_impulse, lane) * to_speed);
-    const Floats speed1 = new1 * to_speed;
-    const Floats speed2 = new2 * to_speed;
+    const Floats limit = s.friction * (get(p.normal_impulse, lane) * s.to_speed);
+    const Floats speed1 = new1 * s.to_speed;
+    const Floats speed2 = new2 * s.to_speed;
     const Floats length_sq = speed1 * speed1 + speed2 * speed2;
     const Floats one = broadcast(1.0f);
     const Mask slips = length_sq > limit * limit;
@@ -128,13 +152,11 @@ constexpr float kJamShare = 0.004f;
 /// leaks as much as it adds at 3.7 times; stiffer or more damped settings push harder by themselves, and are left alone above this.
 constexpr float kJamMost = 8.0f;
 
-struct SoftLanes {
-    Floats bias_rate, mass_scale, impulse_scale, push_limit;
-};
-
 template <bool kBias>
-CAROM_PASS_INLINE void solve_normal(PointLanes& p, int lane, const SoftLanes& soft, const SolveSettings& settings,
-                                    const Masses& masses, Relative& m) {
+CAROM_PASS_INLINE void solve_normal(PointLanes& p, int lane, const SolveSettings& settings, Begun& s) {
+    const SoftLanes& soft = s.soft;
+    const Masses& masses = s.masses;
+    Relative& m = s.now;
     const Floats separation = get(p.gap, lane);
     const Floats zero = broadcast(0.0f);
     const Floats one = broadcast(1.0f);
@@ -172,37 +194,44 @@ CAROM_PASS_INLINE void solve_normal(PointLanes& p, int lane, const SoftLanes& so
     m.spin_b = m.spin_b + impulse * along_n(masses.b, rb);
 }
 
+template <bool kBias, bool kGapsKnown>
+CAROM_PASS_INLINE void solve_contact(PointLanes& p, int lane, const SolveSettings& settings, Begun& s) {
+    if constexpr (!kGapsKnown) {
+        const Floats turned = dot(s.db.turned, get3(p.b, lane)) - dot(s.da.turned, get3(p.a, lane));
+        put(p.gap, lane, get(p.separation, lane) + ((s.db.shift - s.da.shift) + turned));
+    }
+    solve_normal<kBias>(p, lane, settings, s);
+}
+
+CAROM_PASS_INLINE void finish(SolverBodies& all, const ContactBundle& c, int lane, const Begun& s) {
+    write_back(all, c, lane, s.basis, s.masses, s.now.impulse, s.now.spin_a - s.before.spin_a, s.now.spin_b - s.before.spin_b);
+}
+
 /// @tparam kGapsKnown  see SolveSettings.
 template <bool kBias, bool kGapsKnown>
 void solve_bundle(ContactBundle& c, SolverBodies& all, const SolveSettings& settings, int lane) {
-    const std::int32_t* rows_a = c.row_a.data() + lane;
-    const std::int32_t* rows_b = c.row_b.data() + lane;
-    Motion a = read_motion(all, rows_a);
-    Motion b = read_motion(all, rows_b);
-    const Basis basis = make_basis(c, lane);
-    const Displacement da = kGapsKnown ? no_displacement() : read_displacement(all, rows_a, get(c.turns_a, lane), basis);
-    const Displacement db = kGapsKnown ? no_displacement() : read_displacement(all, rows_b, get(c.turns_b, lane), basis);
-    const Masses masses = read_masses(c, lane);
-    const Relative before = relative_motion(basis, a, b);
-    Relative now = before;
-    const Floats friction = get(c.friction, lane);
-    const SoftLanes soft{get(c.bias_rate, lane), get(c.mass_scale, lane), get(c.impulse_scale, lane),
-                         get(c.push_limit, lane)};
-    const Floats first_mass = get(c.points[0].tangent_mass, lane);
-    const Mask used = first_mass > broadcast(0.0f);
-    const Floats to_speed = select(used, broadcast(1.0f) / select(used, first_mass, broadcast(1.0f)), broadcast(0.0f));
+    Begun s = begin<kGapsKnown>(c, all, lane);
+    for (int k = 0; k < c.point_count; ++k) solve_friction(c.points[static_cast<std::size_t>(k)], lane, s);
+    for (int k = 0; k < c.point_count; ++k) solve_contact<kBias, kGapsKnown>(c.points[static_cast<std::size_t>(k)], lane, settings, s);
+    finish(all, c, lane, s);
+}
+
+/// The same of two bundles, of which the second has at most the points of the first. A point waits for the one before it: two bundles, which
+/// share no body, fill each other's waits.
+template <bool kBias, bool kGapsKnown>
+void solve_two(ContactBundle& c, ContactBundle& d, SolverBodies& all, const SolveSettings& settings, int lane) {
+    Begun s = begin<kGapsKnown>(c, all, lane);
+    Begun t = begin<kGapsKnown>(d, all, lane);
     for (int k = 0; k < c.point_count; ++k) {
-        solve_friction(c.points[static_cast<std::size_t>(k)], lane, friction, to_speed, masses, now);
+        solve_friction(c.points[static_cast<std::size_t>(k)], lane, s);
+        if (k < d.point_count) solve_friction(d.points[static_cast<std::size_t>(k)], lane, t);
     }
     for (int k = 0; k < c.point_count; ++k) {
-        PointLanes& p = c.points[static_cast<std::size_t>(k)];
-        if constexpr (!kGapsKnown) {
-            const Floats turned = dot(db.turned, get3(p.b, lane)) - dot(da.turned, get3(p.a, lane));
-            put(p.gap, lane, get(p.separation, lane) + ((db.shift - da.shift) + turned));
-        }
-        solve_normal<kBias>(p, lane, soft, settings, masses, now);
+        solve_contact<kBias, kGapsKnown>(c.points[static_cast<std::size_t>(k)], lane, settings, s);
+        if (k < d.point_count) solve_contact<kBias, kGapsKnown>(d.points[static_cast<std::size_t>(k)], lane, settings, t);
     }
-    write_back(all, c, lane, basis, masses, before, now, a, b);
+    finish(all, c, lane, s);
+    finish(all, d, lane, t);
 }
 
 void WarmStart(std::span<ContactBundle> bundles, SolverBodies& bodies) {
@@ -211,15 +240,22 @@ void WarmStart(std::span<ContactBundle> bundles, SolverBodies& bodies) {
     }
 }
 
+template <bool kBias, bool kGapsKnown>
+void solve_all(std::span<ContactBundle> bundles, SolverBodies& bodies, const SolveSettings& settings) {
+    std::size_t i = 0;
+    for (; i + 1 < bundles.size() && bundles[i + 1].point_count <= bundles[i].point_count; i += 2) {
+        for (int lane = 0; lane < kBundleWidth; lane += kLanes) solve_two<kBias, kGapsKnown>(bundles[i], bundles[i + 1], bodies, settings, lane);
+    }
+    for (; i < bundles.size(); ++i) {
+        for (int lane = 0; lane < kBundleWidth; lane += kLanes) solve_bundle<kBias, kGapsKnown>(bundles[i], bodies, settings, lane);
+    }
+}
+
 void Solve(std::span<ContactBundle> bundles, SolverBodies& bodies, const SolveSettings& settings) {
-    for (ContactBundle& c : bundles) {
-        for (int lane = 0; lane < kBundleWidth; lane += kLanes) {
-            if (settings.bias) {
-                settings.gaps_known ? solve_bundle<true, true>(c, bodies, settings, lane) : solve_bundle<true, false>(c, bodies, settings, lane);
-            } else {
-                settings.gaps_known ? solve_bundle<false, true>(c, bodies, settings, lane) : solve_bundle<false, false>(c, bodies, settings, lane);
-            }
-        }
+    if (settings.bias) {
+        settings.gaps_known ? solve_all<true, true>(bundles, bodies, settings) : solve_all<true, false>(bundles, bodies, settings);
+    } else {
+        settings.gaps_known ? solve_all<false, true>(bundles, bodies, settings) : solve_all<false, false>(bundles, bodies, settings);
     }
 }
 

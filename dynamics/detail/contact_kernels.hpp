@@ -24,9 +24,10 @@ struct SolveSettings {
 };
 
 /// Applies the accumulated impulses to the bodies' velocities.
+/// @param bundles  of one colour: no two of them share a body that can move. The same of solve().
 void warm_start(std::span<ContactBundle> bundles, SolverBodies& bodies);
 
-/// One Gauss-Seidel pass: friction, then the normal, of each point in turn.
+/// One Gauss-Seidel pass: friction of each point in turn, then the normals.
 void solve(std::span<ContactBundle> bundles, SolverBodies& bodies, const SolveSettings& settings);
 
 }  // namespace carom::dynamics

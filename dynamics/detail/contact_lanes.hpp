@@ -101,11 +101,10 @@ CAROM_PASS_INLINE Motion read_motion(const SolverBodies& all, const std::int32_t
     return {{vx, vy, vz}, {wx, wy, wz}};
 }
 
-CAROM_PASS_INLINE void write_motion(SolverBodies& all, const std::int32_t* rows, const Motion& m) {
-    float* body = reinterpret_cast<float*>(all.bodies.data());
+CAROM_PASS_INLINE void add_motion(SolverBodies& all, const std::int32_t* rows, const Motion& m) {
     const Floats zero = broadcast(0.0f);
-    scatter_rows(body, rows, kBodyStride, 0, m.v.x, m.v.y, m.v.z, zero, all.movable);
-    scatter_rows(body, rows, kBodyStride, 4, m.w.x, m.w.y, m.w.z, zero, all.movable);
+    Floats change[8] = {m.v.x, m.v.y, m.v.z, zero, m.w.x, m.w.y, m.w.z, zero};
+    add_rows(reinterpret_cast<float*>(all.bodies.data()), rows, kBodyStride, change, all.movable);
 }
 
 }  // namespace

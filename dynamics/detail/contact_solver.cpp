@@ -224,7 +224,7 @@ void ContactSolver::for_each_color(Executor& executor, const Pass& pass) {
             pass(bundles.subspan(begin, end - begin));
         });
     }
-    pass(all.subspan(first_overflow_bundle_));
+    for (std::size_t i = first_overflow_bundle_; i < all.size(); ++i) pass(all.subspan(i, 1));  // these may share bodies
 }
 
 void ContactSolver::warm_start(Executor& executor) {

@@ -106,7 +106,7 @@ IslandStiffness stiffness_of(const IslandShape& shape, const DirectStep& step) n
     const double sag = std::max(shape.extent * std::min(step.sag, kBucklingShare / (slender * slender)), kLeastSag * shape.largest);
     IslandStiffness out;
     out.sag = sag;
-    out.relaxation = kRelaxationSteps * step.dt;
+    out.relaxation = kRelaxationSteps * step.long_dt;
     out.tolerances.speed_tolerance = kSpeedShare * glm::length(step.gravity) * step.dt;
     out.tolerances.slip_tolerance = kSlipShare * glm::length(step.gravity) * step.dt;
     return out;

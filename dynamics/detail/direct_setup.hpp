@@ -13,6 +13,7 @@ namespace carom::dynamics {
 struct DirectStep {
     dvec3 gravity{0.0};     ///< [m/s²], not zero
     double dt = 0.0;        ///< [s]
+    double long_dt = 0.0;   ///< of the longest of late, >= dt: overlap that it left is pushed out as slowly as in it [s]
     int substeps = 8;       ///< of the soft solver: impulses of contacts are kept as of one
     double contact_rate = 0.1875;
     double max_push = 0.1;  ///< share of the smallest extent a step

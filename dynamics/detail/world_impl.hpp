@@ -13,6 +13,7 @@
 #include <carom/dynamics/world.hpp>
 #include <carom/narrowphase/collide.hpp>
 
+#include <algorithm>
 #include <string>
 #include <vector>
 
@@ -87,11 +88,15 @@ struct World::Impl {
     [[nodiscard]] Executor& executor() noexcept { return def.executor != nullptr ? *def.executor : serial; }
 
     [[nodiscard]] dynamics::SolverSettings solver_settings(double dt) const noexcept {
-        return {def.gravity, dt, def.substeps, def.contact_rate, def.contact_damping, def.max_push};
+        return {def.gravity, dt, def.substeps, contact_rate(dt), def.contact_damping, def.max_push};
     }
     [[nodiscard]] dynamics::DirectStep direct_step(double dt) const noexcept {
-        return {def.gravity, dt, def.substeps, def.contact_rate, def.max_push, def.direct_sag};
+        return {def.gravity, dt, soft_substep * def.substeps, def.substeps, contact_rate(dt), def.max_push, def.direct_sag};
     }
+    /// WorldDef::contact_rate where steps are alike. After a longer one contacts stay as soft as they were in it and stiffen little by little: a
+    /// spring that is let loose at a higher stiffness than it was compressed at throws what lies on it.
+    [[nodiscard]] double contact_rate(double dt) const noexcept { return def.contact_rate * std::min(1.0, dt / def.substeps / soft_substep); }
+    void note_substep(double dt) noexcept;
     /// How much of the impulses of the step before this one starts from.
     [[nodiscard]] float impulse_scale(double dt) const noexcept {
         return last_substep > 0.0 ? static_cast<float>(dt / def.substeps / last_substep) : 1.0f;
@@ -150,6 +155,7 @@ struct World::Impl {
     dynamics::DirectIslands direct;
     dynamics::ContactSolver solver;
     std::vector<dynamics::ValidPose> last_valid;  // by slot
+    double soft_substep = 0.0;  // [s]; the contacts' frequency is contact_rate over this
     double last_substep = 0.0;  // [s]; impulses are carried in proportion
     std::uint64_t steps = 0;
     bool pushed = false;  // a force or a torque waits for the next step

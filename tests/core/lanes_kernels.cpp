@@ -103,6 +103,14 @@ void scatter(float* base, std::span<const std::int32_t> rows, std::size_t stride
     }
 }
 
+void add_to_rows(float* base, std::span<const std::int32_t> rows, std::size_t stride, const float* const in[8], std::int32_t limit) {
+    for (std::size_t i = 0; i < rows.size(); i += kLanes) {
+        Floats v[8];
+        for (int k = 0; k < 8; ++k) v[k] = load(in[k] + i);
+        add_rows(base, rows.data() + i, stride, v, limit);
+    }
+}
+
 std::size_t compress(std::span<const float> values, float limit, std::span<std::int32_t> out) {
     std::size_t count = 0;
     for (std::size_t i = 0; i < values.size(); i += kLanes) {
@@ -155,6 +163,7 @@ HWY_EXPORT(dots);
 HWY_EXPORT(crosses);
 HWY_EXPORT(gather);
 HWY_EXPORT(scatter);
+HWY_EXPORT(add_to_rows);
 HWY_EXPORT(compress);
 HWY_EXPORT(integers);
 HWY_EXPORT(masks);
@@ -182,6 +191,9 @@ void run_gather(const float* base, std::span<const std::int32_t> rows, std::size
 void run_scatter(float* base, std::span<const std::int32_t> rows, std::size_t stride, std::size_t column,
                  const float* const in[4]) {
     HWY_DYNAMIC_DISPATCH(scatter)(base, rows, stride, column, in);
+}
+void run_add_rows(float* base, std::span<const std::int32_t> rows, std::size_t stride, const float* const in[8], std::int32_t limit) {
+    HWY_DYNAMIC_DISPATCH(add_to_rows)(base, rows, stride, in, limit);
 }
 std::size_t run_compress(std::span<const float> values, float limit, std::span<std::int32_t> out) {
     return HWY_DYNAMIC_DISPATCH(compress)(values, limit, out);

@@ -25,6 +25,8 @@ void run_gather(const float* base, std::span<const std::int32_t> rows, std::size
                 float* const out[4]);
 void run_scatter(float* base, std::span<const std::int32_t> rows, std::size_t stride, std::size_t column,
                  const float* const in[4]);
+/// Eight columns of each row grow by what eight arrays hold; rows >= limit are left alone.
+void run_add_rows(float* base, std::span<const std::int32_t> rows, std::size_t stride, const float* const in[8], std::int32_t limit);
 /// Indices of the values below `limit`. @return how many.
 std::size_t run_compress(std::span<const float> values, float limit, std::span<std::int32_t> out);
 /// The integer operations: out = {a + b, a - b, a & b, a | b, a ^ b, a < b, a == b, bits(float(a))}, each an array.

@@ -236,6 +236,36 @@ TEST(Lanes, RowsComeAndGoInLaneOrder) {
     });
 }
 
+TEST(Lanes, RowsGrowByTheirLanesUpToTheLimit) {
+    constexpr std::size_t kRows = 64, kStride = 16;
+    constexpr std::int32_t kLimit = 57;
+    struct alignas(64) Table {
+        float value[kRows * kStride];
+    };
+    auto table = std::make_unique<Table>(), copy = std::make_unique<Table>();
+    Random random(0xadd);
+    for (float& value : table->value) value = static_cast<float>(random.unit() - 0.5);
+    std::vector<std::int32_t> rows(kRows);
+    for (std::size_t i = 0; i < kRows; ++i) rows[i] = static_cast<std::int32_t>((i * 37) % kRows);  // each once
+    auto arrays = std::make_unique<Array[]>(8);
+    const float* in[8];
+    for (std::size_t k = 0; k < 8; ++k) {
+        in[k] = arrays[k].value;
+        for (std::size_t i = 0; i < kRows; ++i) arrays[k].value[i] = static_cast<float>(random.unit() - 0.5);
+    }
+    at_every_width([&] {
+        *copy = *table;
+        run_add_rows(copy->value, rows, kStride, in, kLimit);
+        for (std::size_t i = 0; i < kRows; ++i) {
+            const std::size_t first = static_cast<std::size_t>(rows[i]) * kStride;
+            for (std::size_t k = 0; k < kStride; ++k) {
+                const float grown = k < 8 && rows[i] < kLimit ? table->value[first + k] + in[k][i] : table->value[first + k];
+                ASSERT_EQ(copy->value[first + k], grown) << rows[i] << ' ' << k;
+            }
+        }
+    });
+}
+
 TEST(Lanes, CompressKeepsTheOrder) {
     auto a = std::make_unique<Array>(), b = std::make_unique<Array>();
     auto out = std::make_unique<std::int32_t[]>(kCount + kBundleWidth);

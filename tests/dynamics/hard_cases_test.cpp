@@ -218,7 +218,7 @@ TEST(HardCases, RandomStepsKeepAStack) {
     const dvec3 top = table.world.pose(boxes.back()).position;
     show("29 top of 8, drift sideways [m]", std::hypot(top.x, top.z));
     EXPECT_NEAR(top.y, 7.5, 0.02);
-    EXPECT_LT(std::hypot(top.x, top.z), 0.3);
+    EXPECT_LT(std::hypot(top.x, top.z), 0.05);
 }
 
 // Case 32: overlap at creation goes at most at the stated speed.
