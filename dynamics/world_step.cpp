@@ -16,7 +16,7 @@ namespace {
 constexpr std::size_t kBodyGrain = 128;
 
 void count_contacts(StepReport& report, const dynamics::ContactSet& contacts, const dynamics::ContactSolver& solver) {
-    const dynamics::ContactSummary summary = dynamics::summarise(contacts);
+    const dynamics::ContactSummary& summary = contacts.summary;
     report.manifolds = contacts.manifolds.size();
     report.contacts = summary.points;
     report.touching = summary.touching;

@@ -6,16 +6,17 @@
 #include <carom/core/lanes.hpp>
 #include <carom/dynamics/detail/body_kernels.hpp>
 
+#include <cstddef>
+
 HWY_BEFORE_NAMESPACE();
 namespace carom::HWY_NAMESPACE {
 namespace {
 
-using dynamics::SolverBase;
 using dynamics::SolverBodies;
 using dynamics::SolverBody;
 
 constexpr std::size_t kBodyStride = sizeof(SolverBody) / sizeof(float);
-constexpr std::size_t kBaseStride = sizeof(SolverBase) / sizeof(float);
+static_assert(offsetof(SolverBody, spin) == 16 && offsetof(dynamics::SolverBase, spin) == 16 && offsetof(dynamics::SolverBase, turn) == 48);
 
 // The rows from `first` on. Lanes beyond the last one before `end` repeat it, in what they write too: the next rows may be another thread's.
 HWY_INLINE void list_rows(std::size_t first, std::size_t end, std::int32_t (&rows)[kLanes]) {
@@ -23,28 +24,20 @@ HWY_INLINE void list_rows(std::size_t first, std::size_t end, std::int32_t (&row
     store(select(next < last, next, last), rows);
 }
 
+// Velocity and spin of a row are eight floats, and so are base and kick: there is nothing to transpose.
 void Kick(SolverBodies& all, std::size_t begin, std::size_t end, bool again) {
-    auto* const bodies = reinterpret_cast<float*>(all.bodies.data());
-    auto* const bases = reinterpret_cast<float*>(all.bases.data());
-    const Mask carry = again ? first_lanes(kLanes) : first_lanes(0);
-    const Floats zero(0.0f);
-    for (std::size_t first = begin; first < end; first += static_cast<std::size_t>(kLanes)) {
-        alignas(64) std::int32_t rows[kLanes];
-        list_rows(first, end, rows);
-        Floats vx, vy, vz, wx, wy, wz, bx, by, bz, cx, cy, cz, gx, gy, gz, kx, ky, kz, unused;
-        gather_rows(bodies, rows, kBodyStride, 0, vx, vy, vz, unused);
-        gather_rows(bodies, rows, kBodyStride, 4, wx, wy, wz, unused);
-        gather_rows(bases, rows, kBaseStride, 0, bx, by, bz, kx);
-        gather_rows(bases, rows, kBaseStride, 4, cx, cy, cz, ky);
-        gather_rows(bases, rows, kBaseStride, 8, gx, gy, gz, kz);
-        const Floats3 v{vx, vy, vz}, w{wx, wy, wz}, none{zero, zero, zero};
-        const Floats3 pushed = select(carry, v - Floats3{bx, by, bz}, none), turned = select(carry, w - Floats3{cx, cy, cz}, none);
-        const Floats3 base = v + Floats3{kx, ky, kz}, spin = w + Floats3{gx, gy, gz};
-        scatter_rows(bases, rows, kBaseStride, 0, base.x, base.y, base.z, kx);
-        scatter_rows(bases, rows, kBaseStride, 4, spin.x, spin.y, spin.z, ky);
-        const Floats3 velocity = base + pushed, spun = spin + turned;
-        scatter_rows(bodies, rows, kBodyStride, 0, velocity.x, velocity.y, velocity.z, zero);
-        scatter_rows(bodies, rows, kBodyStride, 4, spun.x, spun.y, spun.z, zero);
+    const hn::CappedTag<float, 8> part;
+    for (std::size_t row = begin; row < end; ++row) {
+        float* const motion = all.bodies[row].velocity;
+        float* const base = all.bases[row].velocity;
+        const float* const kick = all.bases[row].kick;
+        for (std::size_t k = 0; k < 8; k += hn::MaxLanes(part)) {
+            const auto now = hn::Load(part, motion + k);
+            const auto pushed = again ? hn::Sub(now, hn::Load(part, base + k)) : hn::Zero(part);
+            const auto next = hn::Add(now, hn::Load(part, kick + k));
+            hn::Store(next, part, base + k);
+            hn::Store(hn::Add(next, pushed), part, motion + k);
+        }
     }
 }
 

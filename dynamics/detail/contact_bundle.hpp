@@ -32,10 +32,11 @@ struct alignas(32) SolverMass {
 };
 
 /// What a substep starts from, before any impulse of its contacts, and the kick that each brings.
-struct alignas(16) SolverBase {
-    float velocity[4] = {};    ///< and the kick along x [m/s]
-    float spin[4] = {};        ///< and the kick along y
-    float gyroscopic[4] = {};  ///< change of spin a substep [rad/s], and the kick along z
+struct alignas(64) SolverBase {
+    float velocity[4] = {};    ///< x y z, unused [m/s]
+    float spin[4] = {};        ///< x y z, unused [rad/s]
+    float kick[4] = {};        ///< change of velocity a substep, contacts apart: x y z, 0 [m/s]
+    float turn[4] = {};        ///< change of spin a substep: x y z, 0 [rad/s]
 };
 
 /// A vector of each lane in its manifold's frame: along the normal and along its two tangents (see contact_lanes.hpp).

@@ -40,21 +40,38 @@ void carry_manifold(const Manifold& manifold, ManifoldImpulses& impulses, const 
     }
 }
 
+/// The mean is the sum until all are in.
+void sum_up(const Manifold& manifold, ContactSummary& s) {
+    for (const ContactPoint& p : manifold.used()) {
+        ++s.points;
+        if (p.separation > 0.0f) continue;
+        const double depth = -static_cast<double>(p.separation);
+        ++s.touching;
+        s.mean_penetration += depth;
+        s.max_penetration = std::max(s.max_penetration, depth);
+    }
+}
+
 }  // namespace
 
 void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t candidate)> make) {
     contacts.pairs.clear();
+    contacts.summary = {};
     const auto count = static_cast<std::uint32_t>(contacts.manifolds.size());
     for (std::uint32_t first = 0, next = 0; first < count; first = next) {
         const std::uint32_t candidate = contacts.manifolds[first].pair;
         const auto index = static_cast<std::uint32_t>(contacts.pairs.size());
         for (; next < count && contacts.manifolds[next].pair == candidate; ++next) {
         }
-        for (std::uint32_t m = first; m < next; ++m) contacts.manifolds[m].pair = index;
+        for (std::uint32_t m = first; m < next; ++m) {
+            contacts.manifolds[m].pair = index;
+            sum_up(contacts.manifolds[m], contacts.summary);
+        }
         ContactPair& pair = contacts.pairs.emplace_back(make(candidate));
         pair.first_manifold = first;
         pair.manifold_count = next - first;
     }
+    if (contacts.summary.touching > 0) contacts.summary.mean_penetration /= static_cast<double>(contacts.summary.touching);
 }
 
 void carry_impulses(ContactSet& contacts, const ContactSet& before, float scale) {
@@ -71,22 +88,6 @@ void carry_impulses(ContactSet& contacts, const ContactSet& before, float scale)
             }
         }
     }
-}
-
-ContactSummary summarise(const ContactSet& contacts) noexcept {
-    ContactSummary s;
-    double sum = 0.0;
-    for (const Manifold& m : contacts.manifolds) {
-        for (const ContactPoint& p : m.used()) {
-            ++s.points;
-            if (p.separation > 0.0f) continue;
-            ++s.touching;
-            sum -= static_cast<double>(p.separation);
-            s.max_penetration = std::max(s.max_penetration, -static_cast<double>(p.separation));
-        }
-    }
-    if (s.touching > 0) s.mean_penetration = sum / static_cast<double>(s.touching);
-    return s;
 }
 
 }  // namespace carom::dynamics

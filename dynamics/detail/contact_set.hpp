@@ -29,26 +29,6 @@ struct PointImpulse {
 };
 using ManifoldImpulses = std::array<PointImpulse, kMaxManifoldPoints>;
 
-struct ContactSet {
-    std::vector<ContactPair> pairs;
-    std::vector<Manifold> manifolds;          ///< in the order of the pairs
-    std::vector<ManifoldImpulses> impulses;   ///< one for each manifold
-
-    void clear() noexcept {
-        pairs.clear();
-        manifolds.clear();
-        impulses.clear();
-    }
-};
-
-/// Makes a pair of each candidate that has manifolds, by `make` and in their order, and numbers the manifolds' pairs by it.
-void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t candidate)> make);
-
-/// Gives each point the impulses that the point of the same feature and the same pair had in `before`, times `scale` (the ratio
-/// of the substeps: forces stay, impulses do not); zero where it is new. Where several points share a feature, the n-th gets
-/// the n-th one's. Cost: linear in the two sets.
-void carry_impulses(ContactSet& contacts, const ContactSet& before, float scale);
-
 /// Largest and mean penetration by the manifolds themselves.
 struct ContactSummary {
     std::size_t points = 0;
@@ -56,6 +36,28 @@ struct ContactSummary {
     double max_penetration = 0.0;    ///< [m]
     double mean_penetration = 0.0;   ///< over the touching points [m]
 };
-[[nodiscard]] ContactSummary summarise(const ContactSet& contacts) noexcept;
+
+struct ContactSet {
+    std::vector<ContactPair> pairs;
+    std::vector<Manifold> manifolds;          ///< in the order of the pairs
+    std::vector<ManifoldImpulses> impulses;   ///< one for each manifold
+    ContactSummary summary;                   ///< of the manifolds
+
+    void clear() noexcept {
+        summary = {};
+        pairs.clear();
+        manifolds.clear();
+        impulses.clear();
+    }
+};
+
+/// Makes a pair of each candidate that has manifolds, by `make` and in their order, numbers the manifolds' pairs by it, and sums the manifolds
+/// up.
+void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t candidate)> make);
+
+/// Gives each point the impulses that the point of the same feature and the same pair had in `before`, times `scale` (the ratio
+/// of the substeps: forces stay, impulses do not); zero where it is new. Where several points share a feature, the n-th gets
+/// the n-th one's. Cost: linear in the two sets.
+void carry_impulses(ContactSet& contacts, const ContactSet& before, float scale);
 
 }  // namespace carom::dynamics

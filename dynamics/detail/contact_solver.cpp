@@ -30,11 +30,8 @@ void set_kick(SolverBase& base, const BodyArrays& bodies, std::uint32_t slot, co
     const BodyMass& mass = bodies.masses[slot];
     dvec3 turn = gyroscopic_change(state, mass, settings.dt) / static_cast<double>(settings.substeps);
     if (!bodies.traits.empty()) turn += world_inverse_inertia(state, mass) * bodies.traits[slot].torque * settings.substep();
-    set(base.gyroscopic, turn);
-    const dvec3 kick = free_moves(mass.locked) * bodies.acceleration(slot, settings.gravity) * settings.substep();
-    base.velocity[3] = static_cast<float>(kick.x);
-    base.spin[3] = static_cast<float>(kick.y);
-    base.gyroscopic[3] = static_cast<float>(kick.z);
+    set(base.turn, turn);
+    set(base.kick, free_moves(mass.locked) * bodies.acceleration(slot, settings.gravity) * settings.substep());
 }
 
 /// The double of what the float row held at the start: differences against it keep the low bits of the state.

@@ -86,13 +86,14 @@ TEST(ContactSet, AnotherGenerationIsAnotherPair) {
 }
 
 TEST(ContactSet, SummaryCountsOverlapsOnly) {
-    ContactSet set = set_of({1}, {manifold_of(0, {1, 2, 3})});
-    set.manifolds[0].points[0].separation = -0.5f;
-    set.manifolds[0].points[1].separation = 0.25f;
-    set.manifolds[0].points[2].separation = -0.25f;
-    const ContactSummary s = summarise(set);
-    EXPECT_EQ(s.points, 3u);
-    EXPECT_EQ(s.touching, 2u);
+    std::vector<Manifold> manifolds{manifold_of(0, {1, 2, 3}), manifold_of(1, {1})};
+    manifolds[0].points[0].separation = -0.5f;
+    manifolds[0].points[1].separation = 0.25f;
+    manifolds[0].points[2].separation = -0.375f;
+    manifolds[1].points[0].separation = -0.25f;
+    const ContactSummary s = set_of({1, 2}, std::move(manifolds)).summary;
+    EXPECT_EQ(s.points, 4u);
+    EXPECT_EQ(s.touching, 3u);
     EXPECT_EQ(s.max_penetration, 0.5);
     EXPECT_EQ(s.mean_penetration, 0.375);
 }
