@@ -14,18 +14,19 @@ constexpr int kMostSweeps = 400;
 
 }  // namespace
 
-std::size_t Impacts::bounce(std::uint32_t bouncer, double time, std::size_t most_rounds) {
+bool Impacts::bounce(std::uint32_t bouncer, double time) {
     frontier_.clear();
     for (const std::uint32_t f : {bouncers_[bouncer].a, bouncers_[bouncer].b}) {
         if (flyers_[f].dynamic) frontier_.push_back(f);
     }
-    for (std::size_t rounds = 0; rounds < most_rounds; ++rounds) {
+    bool any = false;
+    for (; budget_ > 0; any = true) {
         gather(time);
-        if (active_.empty()) return rounds;
+        if (active_.empty()) break;
         reflect();
         commit(time);
     }
-    return most_rounds;
+    return any;
 }
 
 // The contacts that approach, from the frontier on: each brings its bodies in.
@@ -36,6 +37,7 @@ void Impacts::gather(double time) {
     for (const std::uint32_t f : frontier_) flyers_[f].round = round_;
     for (std::size_t next = 0; next < frontier_.size(); ++next) {
         const Flyer& flyer = flyers_[frontier_[next]];
+        budget_ -= flyer.end - flyer.first;
         for (std::uint32_t i = flyer.first; i < flyer.end; ++i) {
             Bouncer& bouncer = bouncers_[touching_[i]];
             if (bouncer.round == round_) continue;
@@ -126,6 +128,7 @@ void Impacts::reflect() {
     for (int sweep = 0; sweep < kMostSweeps && !settled; ++sweep) {
         settled = true;
         for_each_active([&](Bouncer& bouncer, Point& point) {
+            --budget_;
             const double wanted = std::max(0.0, point.impulse - point.mass * approach(bouncer, point));
             const double change = wanted - point.impulse;
             settled &= std::abs(change) <= kSettledShare * fastest_ * point.mass;

@@ -16,6 +16,7 @@ constexpr double kNever = std::numeric_limits<double>::infinity();
 constexpr double kTouchShare = 1e-5;      // of the smaller shape's smallest extent
 constexpr double kStillShare = 1e-9;      // of the fastest body's speed
 constexpr double kMostMissed = 8.0;       // steps that an impact may lie back
+constexpr std::int64_t kLeastBudget = 4096, kBudgetPerPoint = 32;  // 0.1 to 0.4 us each
 constexpr double kFreeFall = 2.0;         // times the speed that a step of gravity brings: slower is no impact
 
 constexpr auto comes_later = [](const auto& x, const auto& y) noexcept { return x.time != y.time ? x.time > y.time : x.bouncer > y.bouncer; };
@@ -186,19 +187,17 @@ void Impacts::push_event(std::uint32_t bouncer, double from) {
     std::push_heap(events_.begin(), events_.end(), comes_later);
 }
 
-void Impacts::drain(std::size_t budget) {
+void Impacts::drain() {
     while (!events_.empty()) {
         const Event event = events_.front();
         std::pop_heap(events_.begin(), events_.end(), comes_later);
         events_.pop_back();
         if (bouncers_[event.bouncer].version != event.version) continue;
-        if (budget == 0) {
+        if (budget_ <= 0) {
             ++left_;
             continue;
         }
-        const std::size_t rounds = bounce(event.bouncer, event.time, budget);
-        budget -= rounds;
-        if (rounds == 0) continue;  // what approached has a lever arm of its own at the impact, and does not approach by it
+        if (!bounce(event.bouncer, event.time)) continue;  // what approached has a lever arm of its own at the impact, and does not approach by it
         for (const std::uint32_t f : frontier_) {
             const Flyer& flyer = flyers_[f];
             for (std::uint32_t i = flyer.first; i < flyer.end; ++i) push_event(touching_[i], event.time);
@@ -283,7 +282,9 @@ void Impacts::run(ContactSet& contacts, const ProxySet& proxies, BodyArrays& bod
     fastest_ += pull * dt_;
     slow_ = std::max(kFreeFall * pull * dt_, kStillShare * fastest_);
     for (std::uint32_t i = 0; i < bouncers_.size(); ++i) push_event(i, 0.0);
-    drain(256 + 64 * bouncers_.size());
+    budget_ = kLeastBudget;
+    for (const Bouncer& bouncer : bouncers_) budget_ += kBudgetPerPoint * bouncer.count;
+    drain();
     for (const Flyer& flyer : flyers_) {
         if (!flyer.hit) continue;
         bodies.states[flyer.slot].velocity = flyer.velocity;

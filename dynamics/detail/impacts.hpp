@@ -108,10 +108,10 @@ private:
     [[nodiscard]] double time_of_hit(const Bouncer& bouncer, double from) const noexcept;
     [[nodiscard]] double time_of_hit(const Bouncer& bouncer, const Point& point, double from) const noexcept;
     void push_event(std::uint32_t bouncer, double from);
-    void drain(std::size_t budget);
+    void drain();
 
-    /// Impacts at `time` from a bouncer on, round by round. @return rounds.
-    std::size_t bounce(std::uint32_t bouncer, double time, std::size_t most_rounds);
+    /// Impacts at `time` from a bouncer on, round by round, while there is budget. @return whether there was a round.
+    bool bounce(std::uint32_t bouncer, double time);
     void gather(double time);
     [[nodiscard]] bool activate(Bouncer& bouncer, double time) const noexcept;
     void reflect();
@@ -130,6 +130,7 @@ private:
     double dt_ = 0.0;
     double slow_ = 0.0;  ///< approaches up to this are no impacts [m/s]
     std::size_t count_ = 0, left_ = 0;
+    std::int64_t budget_ = 0;  ///< looks at contacts and updates of points that are left for this step; a round may overdraw it
     std::uint32_t round_ = 0;
     std::vector<std::uint32_t> flyer_of_slot_;
     std::vector<Flyer> flyers_;
