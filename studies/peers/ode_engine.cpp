@@ -1,6 +1,6 @@
 // ODE (Debian builds it in double precision): dWorldQuickStep with its own settings, contacts made in the usual callback. The space
 // is its sweep-and-prune one: on a pyramid it makes the step twice as fast as the hash space.
-#include <carom/bench/engine.hpp>
+#include <carom/studies/peers/engines.hpp>
 
 #include <carom/collision/convex_hull.hpp>
 #include <carom/collision/triangle_mesh.hpp>
@@ -14,8 +14,13 @@
 #include <stdexcept>
 #include <utility>
 
-namespace carom::bench {
+namespace carom::peers {
 namespace {
+
+using accuracy::Engine;
+using accuracy::FixedShape;
+using accuracy::MovingBody;
+using accuracy::SceneBodies;
 
 constexpr int kMaxContacts = 8;  // of a pair; what ODE's own box against box makes at most
 
@@ -114,6 +119,7 @@ public:
         return mass * moving_[index].shape_in_mass;
     }
     dvec3 velocity(std::size_t index) const override { return from_ode(dBodyGetLinearVel(moving_[index].body)); }
+    dvec3 spin(std::size_t index) const override { return from_ode(dBodyGetAngularVel(moving_[index].body)); }
 
 private:
     struct Moving {
@@ -215,6 +221,6 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Engine> make_ode(const SceneBodies& bodies) { return std::make_unique<OdeEngine>(bodies); }
+std::unique_ptr<accuracy::Engine> make_ode(const accuracy::SceneBodies& bodies) { return std::make_unique<OdeEngine>(bodies); }
 
-}  // namespace carom::bench
+}  // namespace carom::peers
