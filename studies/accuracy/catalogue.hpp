@@ -63,5 +63,7 @@ struct StudyGroup {
 [[nodiscard]] std::vector<Study> probe_studies(const StudyOptions& options);
 /// Free bodies; integrator_cases.hpp has the measures, integrator_digest.hpp what they add up to.
 [[nodiscard]] std::vector<Study> integrator_studies(const StudyOptions& options);
+/// Whole scenes; pipeline_cases.hpp has the measures.
+[[nodiscard]] std::vector<Study> pipeline_studies(const StudyOptions& options);
 
 }  // namespace carom::accuracy

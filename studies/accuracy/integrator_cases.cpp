@@ -3,7 +3,6 @@
 #include <carom/core/math.hpp>
 #include <carom/core/random.hpp>
 #include <carom/scenes/scene.hpp>
-#include <carom/studies/accuracy/study.hpp>
 
 #include <glm/geometric.hpp>
 
@@ -81,8 +80,6 @@ double error_of(const MovingBody& body, const oracle::FreeBodyState& truth, cons
     return 0.0;
 }
 
-bool is_sound(const oracle::FreeBodyState& s) { return is_finite(s.position) && is_finite(s.orientation) && is_finite(s.spin); }
-
 }  // namespace
 
 const char* to_string(FreeKind kind) noexcept {
@@ -100,7 +97,7 @@ FreeCasesPtr free_cases(FreeKind kind, int count, double duration) {
     auto cases = std::make_shared<FreeCases>();
     cases->make = [kind, count](const WorldDef& def) { return kind == FreeKind::Scene ? make_scene_world(def) : make_boxes(kind, count, def); };
     cases->bodies = scene_bodies(cases->make({}));
-    for (int i = 1; i * kInterval <= duration; ++i) cases->times.push_back(i * kInterval);
+    cases->times = even_times(kInterval, static_cast<int>(std::lround(duration / kInterval)));
     for (const MovingBody& body : cases->bodies.moving) {
         const oracle::FreeBodyState start{body.pose.position, body.pose.orientation, body.linear_velocity, body.angular_velocity};
         cases->truth.push_back(oracle::free_motion({body.moments, start, cases->bodies.gravity}, cases->times));
@@ -108,29 +105,12 @@ FreeCasesPtr free_cases(FreeKind kind, int count, double duration) {
     return cases;
 }
 
-FreeRun follow(Engine& engine, const FreeCases& cases, double dt) {
-    const std::size_t count = cases.bodies.moving.size();
-    const auto steps = std::lround(cases.times.front() / dt);
-    FreeRun run;
-    run.states.resize(count);
-    for (std::size_t t = 0; t < cases.times.size(); ++t) {
-        const ThreadStopwatch watch;
-        for (long i = 0; i < steps; ++i) engine.step(dt);
-        run.seconds += watch.seconds();
-        for (std::size_t i = 0; i < count; ++i) {
-            const Pose mass = engine.pose(i) * inverse(cases.bodies.moving[i].shape_in_mass);
-            run.states[i].push_back({mass.position, mass.orientation, engine.velocity(i), engine.spin(i)});
-        }
-    }
-    return run;
-}
-
-std::optional<double> error_of(const FreeCases& cases, const FreeRun& run, FreeMeasure measure) {
+std::optional<double> error_of(const FreeCases& cases, const Track& track, FreeMeasure measure) {
+    if (!is_finite(track)) return std::nullopt;
     double worst = 0.0;
     for (std::size_t i = 0; i < cases.truth.size(); ++i) {
         for (std::size_t t = 0; t < cases.times.size(); ++t) {
-            if (!is_sound(run.states[i][t])) return std::nullopt;
-            worst = std::max(worst, error_of(cases.bodies.moving[i], cases.truth[i][t], run.states[i][t], measure));
+            worst = std::max(worst, error_of(cases.bodies.moving[i], cases.truth[i][t], track.states[i][t], measure));
         }
     }
     return worst;

@@ -1,12 +1,11 @@
 // Free bodies whose every later state is known, and how far an engine's are from it.
 //
 //   const FreeCasesPtr cases = free_cases(FreeKind::Asymmetric, 8, 10.0);
-//   const FreeRun run = follow(*make_carom(cases->make({})), *cases, 1.0 / 64.0);
-//   double worst = error_of(*cases, run, FreeMeasure::Orientation);
+//   const Track track = follow(*make_carom(cases->make({})), cases->bodies, cases->times, 1.0 / 64.0);
+//   double worst = error_of(*cases, track, FreeMeasure::Orientation);
 #pragma once
 
-#include <carom/studies/accuracy/engine.hpp>
-#include <carom/studies/oracle/free_body.hpp>
+#include <carom/studies/accuracy/track.hpp>
 
 #include <functional>
 #include <memory>
@@ -28,7 +27,7 @@ struct FreeCases {
     std::function<World(const WorldDef&)> make;     ///< a world with the bodies, far apart; the definition's gravity is not used
     SceneBodies bodies{};                           ///< of that world
     std::vector<double> times{};                    ///< at which states are compared, evenly spaced [s]
-    std::vector<std::vector<oracle::FreeBodyState>> truth{};  ///< by body, by time
+    BodyStates truth{};
 
     [[nodiscard]] double duration() const { return times.back(); }
 };
@@ -39,14 +38,7 @@ using FreeCasesPtr = std::shared_ptr<const FreeCases>;
 /// @param duration  a multiple of half a second.
 [[nodiscard]] FreeCasesPtr free_cases(FreeKind kind, int count, double duration);
 
-struct FreeRun {
-    double seconds = 0.0;                               ///< of the processor, for the steps alone
-    std::vector<std::vector<oracle::FreeBodyState>> states;  ///< by body, by time
-};
-/// Steps `engine`, which holds the bodies, through all times. @param dt  of which the times' distance is a multiple.
-[[nodiscard]] FreeRun follow(Engine& engine, const FreeCases& cases, double dt);
-
 /// @return none where a state is not finite.
-[[nodiscard]] std::optional<double> error_of(const FreeCases& cases, const FreeRun& run, FreeMeasure measure);
+[[nodiscard]] std::optional<double> error_of(const FreeCases& cases, const Track& track, FreeMeasure measure);
 
 }  // namespace carom::accuracy

@@ -15,9 +15,9 @@ namespace {
 using MakeEngine = std::function<std::unique_ptr<Engine>()>;
 
 Sample one_pass(Engine& engine, const FreeCases& cases, FreeMeasure measure, double dt) {
-    const FreeRun run = follow(engine, cases, dt);
-    const double seconds = run.seconds / (static_cast<double>(cases.bodies.moving.size()) * cases.duration());
-    const std::optional<double> error = error_of(cases, run, measure);
+    const Track track = follow(engine, cases.bodies, cases.times, dt);
+    const double seconds = track.seconds / (static_cast<double>(cases.bodies.moving.size()) * cases.duration());
+    const std::optional<double> error = error_of(cases, track, measure);
     return {seconds, error, error ? 0u : 1u};
 }
 

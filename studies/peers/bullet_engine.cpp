@@ -93,8 +93,8 @@ private:
 
     btRigidBody& add(btRigidBody::btRigidBodyConstructionInfo info, const Pose& pose, double friction, double restitution) {
         info.m_startWorldTransform = to_bt(pose);
-        info.m_friction = to_bt(std::sqrt(friction));  // Bullet multiplies the two: this gives the geometric mean
-        info.m_restitution = to_bt(restitution);
+        info.m_friction = to_bt(std::sqrt(friction));  // Bullet multiplies the two, of both: this gives the geometric mean
+        info.m_restitution = to_bt(std::sqrt(restitution));
         bodies_.push_back(std::make_unique<btRigidBody>(info));
         world_.addRigidBody(bodies_.back().get());
         return *bodies_.back();

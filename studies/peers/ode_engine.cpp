@@ -8,7 +8,9 @@
 #include <ode/ode.h>
 
 #include <fmt/format.h>
+#include <glm/geometric.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
@@ -84,14 +86,14 @@ public:
           joints_(dJointGroupCreate(0)) {
         dWorldSetGravity(world_, bodies.gravity.x, bodies.gravity.y, bodies.gravity.z);
         dRandSetSeed(0);  // QuickStep shuffles its rows
-        frictions_.reserve(bodies.fixed.size() + bodies.moving.size());  // geoms point into it
+        materials_.reserve(bodies.fixed.size() + bodies.moving.size());  // geoms point into it
         for (const FixedShape& fixed : bodies.fixed) {
             const Made made = make_geom(fixed_space_, fixed.shape, Pose{});
             const Pose pose = fixed.pose * made.offset;
             const dQuaternion q{pose.orientation.w, pose.orientation.x, pose.orientation.y, pose.orientation.z};
             dGeomSetPosition(made.geom, pose.position.x, pose.position.y, pose.position.z);
             dGeomSetQuaternion(made.geom, q);
-            set_friction(made.geom, fixed.friction);
+            set_material(made.geom, {fixed.friction, fixed.restitution});
         }
         for (const MovingBody& moving : bodies.moving) add_moving(moving);
     }
@@ -126,6 +128,9 @@ private:
         dBodyID body;
         Pose shape_in_mass;
     };
+    struct Material {
+        double friction = 0.0, restitution = 0.0;
+    };
     struct Made {
         dGeomID geom;
         Pose offset;  ///< of ODE's geom in the frame that it was placed in
@@ -139,19 +144,22 @@ private:
         const OdeEngine& engine = *static_cast<const OdeEngine*>(self);
         std::array<dContact, kMaxContacts> contacts;
         const int count = dCollide(a, b, kMaxContacts, &contacts[0].geom, sizeof(dContact));
-        const double friction = std::sqrt(*static_cast<const double*>(dGeomGetData(a)) * *static_cast<const double*>(dGeomGetData(b)));
+        const Material &of_a = *static_cast<const Material*>(dGeomGetData(a)), &of_b = *static_cast<const Material*>(dGeomGetData(b));
+        const double friction = std::sqrt(of_a.friction * of_b.friction), restitution = std::max(of_a.restitution, of_b.restitution);
         for (int i = 0; i < count; ++i) {
+            // A hull that just touches a box is given a normal of zero; ODE would end the process on it.
+            if (!(glm::length(from_ode(contacts[static_cast<std::size_t>(i)].geom.normal)) > 0.5)) continue;
             dSurfaceParameters& surface = contacts[static_cast<std::size_t>(i)].surface;
             surface = {};
             surface.mode = dContactApprox1;  // mu is a coefficient, not a limit of force
             surface.mu = friction;
+            if (restitution > 0.0) surface.mode |= dContactBounce, surface.bounce = restitution;
             const dJointID joint = dJointCreateContact(engine.world_, engine.joints_, &contacts[static_cast<std::size_t>(i)]);
             dJointAttach(joint, dGeomGetBody(a), dGeomGetBody(b));
         }
     }
 
     void add_moving(const MovingBody& moving) {
-        if (moving.restitution != 0.0) throw std::invalid_argument("ode: the scenes compared do not bounce");
         const dBodyID body = dBodyCreate(world_);
         dMass mass;
         dMassSetParameters(&mass, moving.mass, 0, 0, 0, moving.moments.x, moving.moments.y, moving.moments.z, 0, 0, 0);
@@ -171,13 +179,13 @@ private:
             const dQuaternion offset{o.w, o.x, o.y, o.z};
             dGeomSetOffsetQuaternion(made.geom, offset);
         }
-        set_friction(made.geom, moving.friction);
+        set_material(made.geom, {moving.friction, moving.restitution});
         moving_.push_back({body, moving.shape_in_mass});
     }
 
-    void set_friction(dGeomID geom, double friction) {
-        frictions_.push_back(friction);
-        dGeomSetData(geom, &frictions_.back());
+    void set_material(dGeomID geom, const Material& material) {
+        materials_.push_back(material);
+        dGeomSetData(geom, &materials_.back());
     }
 
     Made make_geom(dSpaceID space, const Shape& shape, const Pose& placed) {
@@ -212,7 +220,7 @@ private:
     Library library_;
     std::vector<std::unique_ptr<HullArrays>> hulls_;
     std::vector<std::unique_ptr<MeshArrays>> meshes_;
-    std::vector<double> frictions_;
+    std::vector<Material> materials_;
     dWorldID world_;
     dSpaceID moving_space_, fixed_space_;
     dJointGroupID joints_;

@@ -125,7 +125,7 @@ TEST(OrderRows, PassFromTwoOn) {
 
 TEST(FreeCases, MeasureWhatWasSpoiled) {
     const FreeCasesPtr cases = free_cases(FreeKind::Falling, 2, 1.0);
-    FreeRun run{0.0, cases->truth};
+    Track run{0.0, cases->truth};
     for (const FreeMeasure m : {FreeMeasure::Orientation, FreeMeasure::Energy, FreeMeasure::Momentum, FreeMeasure::Position}) {
         EXPECT_EQ(error_of(*cases, run, m), 0.0);
     }
@@ -144,11 +144,11 @@ TEST(FreeCases, MeasureWhatWasSpoiled) {
 
 TEST(FreeCases, TheTextbooksIntegratorIsOfFirstOrderAndTheRotationAloneIsTheWorldsOwn) {
     const FreeCasesPtr cases = free_cases(FreeKind::Falling, 2, 1.0);
-    const auto error = [&](Engine& engine, double dt) { return error_of(*cases, follow(engine, *cases, dt), FreeMeasure::Position).value(); };
+    const auto error = [&](Engine& engine, double dt) { return error_of(*cases, follow(engine, cases->bodies, cases->times, dt), FreeMeasure::Position).value(); };
     // It falls g t h / 2 too far, of g t² / 2 and what the throw adds.
     EXPECT_NEAR(error(*make_semi_implicit_euler(cases->bodies), 1.0 / 64) / error(*make_semi_implicit_euler(cases->bodies), 1.0 / 128), 2.0, 1e-6);
-    const FreeRun world = follow(*make_carom(cases->make({})), *cases, 1.0 / 64);
-    const FreeRun alone = follow(*make_rotation(cases->bodies, {.tolerance = 1e-6}), *cases, 1.0 / 64);
+    const Track world = follow(*make_carom(cases->make({})), cases->bodies, cases->times, 1.0 / 64);
+    const Track alone = follow(*make_rotation(cases->bodies, {.tolerance = 1e-6}), cases->bodies, cases->times, 1.0 / 64);
     for (std::size_t i = 0; i < 2; ++i) EXPECT_EQ(world.states[i].back().spin, alone.states[i].back().spin);
 }
 
