@@ -22,6 +22,8 @@ std::span<const StudyGroup> study_catalogue() {
         {"probes", "wheels of rays on terrain, steps and rails: contacts missed against the number of rays", probe_studies},
         {"integrator", "free bodies by class of inertia, free fall and the spinning box: orientation, energy, momentum, and the order of each method",
          integrator_studies, integrator_digest},
+        {"solver", "the same resting column, heavy box on a light one, pyramid, arch and pile by each contact method: forces that are left unbalanced",
+         solver_studies},
         {"pipeline", "whole scenes by method, step and substeps: slide, bounce, top, creep, column, pyramid and pile; course, overlap and jitter",
          pipeline_studies},
     };

@@ -63,6 +63,8 @@ struct StudyGroup {
 [[nodiscard]] std::vector<Study> probe_studies(const StudyOptions& options);
 /// Free bodies; integrator_cases.hpp has the measures, integrator_digest.hpp what they add up to.
 [[nodiscard]] std::vector<Study> integrator_studies(const StudyOptions& options);
+/// Resting bodies; solver_cases.hpp has the problems, contact_forces.hpp of the oracles the measure.
+[[nodiscard]] std::vector<Study> solver_studies(const StudyOptions& options);
 /// Whole scenes; pipeline_cases.hpp has the measures.
 [[nodiscard]] std::vector<Study> pipeline_studies(const StudyOptions& options);
 
