@@ -145,9 +145,12 @@ void DirectIslands::consider(const Island& island, const DirectWorld& world, con
 
 void DirectIslands::put_down(const Island& island, const DirectWorld& world, const DirectStep& step) {
     const std::span<const std::uint32_t> bodies = links_.bodies(island), manifolds = links_.manifolds(island);
-    if (!is_plain(world, bodies, manifolds) || look_at_island(world, bodies, manifolds, step).impact) return;
+    if (!is_plain(world, bodies, manifolds)) return;
+    const IslandShape shape = look_at_island(world, bodies, manifolds, step);
+    if (shape.impact) return;
     for (std::size_t i = 0; i < bodies.size(); ++i) local_of_slot_[bodies[i]] = static_cast<std::int32_t>(i);
     Memory& memory = memory_of(bodies.front());
+    memory.stiffness = {kSlopShare * shape.extent, kBaumgarteSteps * step.dt, {}};
     memory.loads.assign(manifolds.size(), 1.0);  // of no meaning where contacts are rigid
     tasks_.push_back({island, &memory});
 }
@@ -185,9 +188,11 @@ bool DirectIslands::solve_directly(Memory& memory, const IslandLists& island, co
 }
 
 void DirectIslands::solve_by_impulses(Memory& memory, const IslandLists& island, const DirectWorld& world, const DirectStep& step) {
-    IslandStiffness rigid;
-    rigid.relaxation = kBaumgarteSteps * step.dt;
-    fill_problem(world, island, rigid, step, memory.problem);
+    fill_problem(world, island, memory.stiffness, step, memory.problem);
+    const double slop = memory.stiffness.sag / (step.dt + memory.stiffness.relaxation);
+    for (DirectContact& c : memory.problem.contacts) {
+        if (c.bias < 0.0) c.bias = std::min(c.bias + slop, 0.0);
+    }
     guess_impulses(world, island.manifolds, step, memory.problem);
     memory.impulses.solve(memory.problem, step.substeps);
 }

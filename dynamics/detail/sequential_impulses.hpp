@@ -15,6 +15,8 @@ namespace carom::dynamics {
 
 /// Overlap goes away by a fifth a step (Baumgarte 1972): its time is four steps beyond the one that is solved.
 inline constexpr double kBaumgarteSteps = 4.0;
+/// And only what is beyond this share of the smallest extent, or every push would throw the bodies off each other (Catto's slop).
+inline constexpr double kSlopShare = 0.005;
 
 class SequentialImpulses {
 public:
