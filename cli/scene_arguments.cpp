@@ -39,7 +39,7 @@ Choices<BroadphaseMethod> broadphase_choices() {
 
 Choices<ContactMethod> contact_method_choices() {
     Choices<ContactMethod> choices;
-    for (const ContactMethod method : {ContactMethod::Automatic, ContactMethod::Soft, ContactMethod::Direct}) choices.push_back({to_string(method), method});
+    for (const ContactMethod method : {ContactMethod::Automatic, ContactMethod::Soft, ContactMethod::Direct, ContactMethod::Impulses}) choices.push_back({to_string(method), method});
     return choices;
 }
 

@@ -19,10 +19,17 @@ std::string sentence(const char* format, double value) {
 }
 
 /// Without gravity there is no load by which to choose how stiff a contact should be.
-bool can_solve_directly(const WorldDef& def) { return def.contact_method != ContactMethod::Soft && def.gravity != dvec3{0.0}; }
+bool can_solve_directly(const WorldDef& def) {
+    return (def.contact_method == ContactMethod::Automatic || def.contact_method == ContactMethod::Direct) && def.gravity != dvec3{0.0};
+}
+
+bool looks_at_islands(const WorldDef& def) { return can_solve_directly(def) || def.contact_method == ContactMethod::Impulses; }
 
 std::string reason_for_direct(Stage stage, const WorldDef& def) {
     if (def.contact_method == ContactMethod::Soft) return "skipped: WorldDef::contact_method is Soft";
+    if (def.contact_method == ContactMethod::Impulses) {
+        return stage == Stage::Islands ? "runs: every island is put down for sequential impulses" : "runs: WorldDef::contact_method is Impulses";
+    }
     if (!can_solve_directly(def)) return "skipped: there is no gravity, and so no load that soft contacts could sag under";
     if (def.contact_method == ContactMethod::Direct) {
         return stage == Stage::Islands ? "runs: every island is put down for the direct solve" : "runs: WorldDef::contact_method is Direct";
@@ -51,7 +58,7 @@ std::string reason_for(Stage stage, const dynamics::StepChoices& choices, const 
 bool runs(Stage stage, const dynamics::StepChoices& choices, const WorldDef& def) {
     switch (stage) {
         case Stage::Islands:
-        case Stage::Direct: return choices.contacts && can_solve_directly(def);
+        case Stage::Direct: return choices.contacts && looks_at_islands(def);
         case Stage::Positions:
         case Stage::Quarantine: return true;
         case Stage::Restitution: return choices.contacts && choices.restitution;

@@ -32,6 +32,15 @@ struct Balance {
     Momentum momentum;
 };
 
+/// How far the contacts at the end of a step are from the laws of contact. Zero of each is an exact solution.
+struct ContactResidual {
+    double balance = 0.0;  ///< largest over the bodies in contact: what their momentum changed by and no force explains, over the sum of the lengths of all
+                           ///< impulses on the body, gravity's included. The contacts' forces of the last substep are taken for those of the whole step: where
+                           ///< they change within it (an impact), the balance shows it
+    double speed = 0.0;    ///< the largest with which two points that push each other still approach or part, or that touch without a push approach [m/s]
+    double cone = 0.0;     ///< by how much the friction of a point exceeds μ times its normal force, over the largest normal force
+};
+
 /// Islands of bodies in contact that the soft solver would have let sink too far (WorldDef::contact_method), and what became of them:
 /// stiff is the sum of the five that follow.
 struct DirectCounts {
@@ -74,6 +83,7 @@ struct StepReport {
     std::size_t deep = 0;        ///< points that began the step so deep that their push was limited by WorldDef::max_push
 
     std::optional<Balance> balance;      ///< where WorldDef::report_balance is on, unless the step quarantined a body
+    std::optional<ContactResidual> residual;  ///< where WorldDef::report_residual is on, under the same condition
     std::vector<BodyId> quarantined;     ///< bodies that went non-finite in this step: restored, stopped and out of the simulation
 
     [[nodiscard]] double ms(Stage stage) const noexcept { return stage_ms[static_cast<std::size_t>(stage)]; }

@@ -88,9 +88,7 @@ Status validate(const WorldDef& def) {
     if (!(def.contact_reuse >= 0.0 && def.contact_reuse <= 0.1)) {
         return fault(is_finite(def.contact_reuse) ? ErrorCode::InvalidArgument : ErrorCode::NotFinite, "contact_reuse must lie in 0 .. 0.1");
     }
-    if (def.contact_method != ContactMethod::Automatic && def.contact_method != ContactMethod::Soft && def.contact_method != ContactMethod::Direct) {
-        return fault(ErrorCode::InvalidArgument, "no such contact method");
-    }
+    if (def.contact_method > ContactMethod::Impulses) return fault(ErrorCode::InvalidArgument, "no such contact method");
     if (!(def.direct_sag >= 1e-6 && def.direct_sag <= 0.01)) {
         return fault(is_finite(def.direct_sag) ? ErrorCode::InvalidArgument : ErrorCode::NotFinite, "direct_sag must lie in 1e-6 .. 0.01");
     }

@@ -49,6 +49,7 @@ struct WorldDef {
     std::size_t direct_budget = 20'000;  ///< products of 6 x 6 blocks, 0..2^32, that a factorisation of an island may take, at some 30 ns each
     bool relax = true;                ///< the pass that takes out the energy of the push
     bool report_balance = false;      ///< fill StepReport::balance
+    bool report_residual = false;     ///< fill StepReport::residual; costs one look at each body and contact
 };
 
 /// @return InvalidArgument or NotFinite with a message that names the setting, where one is out of its range.
@@ -68,6 +69,7 @@ struct ContactView {
     dvec3 origin{0.0};                  ///< world position that the manifold's points are relative to, at the start of the step [m]
     const Manifold* manifold = nullptr;
     std::array<float, kMaxManifoldPoints> normal_impulse{};  ///< per point, of the last substep [N s]
+    std::array<vec3, kMaxManifoldPoints> friction_impulse{};   ///< the same, on B, world axes
 };
 
 struct ContactExplanation;  // <carom/dynamics/explain.hpp>

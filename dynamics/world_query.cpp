@@ -59,7 +59,11 @@ ContactView World::contact(std::size_t index) const {
     view.body_b = pair.body_b;
     view.origin = impl_->proxies.poses[pair.proxy_a].position;
     view.manifold = &manifold;
-    for (std::size_t k = 0; k < manifold.count; ++k) view.normal_impulse[k] = impl_->contacts.impulses[index][k].normal;
+    view.friction_impulse.fill(vec3{0.0f});
+    for (std::size_t k = 0; k < manifold.count; ++k) {
+        view.normal_impulse[k] = impl_->contacts.impulses[index][k].normal;
+        view.friction_impulse[k] = impl_->contacts.impulses[index][k].friction;
+    }
     return view;
 }
 

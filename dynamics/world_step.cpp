@@ -102,6 +102,7 @@ StepReport World::step(double dt) {
     const dynamics::StepChoices choices = w.choose();
     const dynamics::Motion motion{w.def.gravity, dt};
     const Balance before = w.def.report_balance ? balance_of(*this) : Balance{};
+    if (w.def.report_residual) w.residual.remember(w.arrays);
     std::swap(w.contacts, w.previous);
     if (!choices.contacts) {  // otherwise each part is replaced below
         w.contacts.clear();
@@ -164,12 +165,14 @@ StepReport World::step(double dt) {
     }
     step.run(Stage::Positions, [&] { w.integrate_free_bodies(choices.contacts, dt); });
     if (choices.contacts && choices.restitution) step.run(Stage::Restitution, [&] { w.impacts.place(w.arrays); });
+    if (w.def.report_residual) step.report.residual = w.residual.measure(w.contacts, w.proxies, w.arrays, {w.def.gravity, dt, w.def.substeps});
     w.forget_pushes();
     step.run(Stage::Quarantine, [&] { w.quarantine_unusable(dt, step.report); });
 
     w.last_substep = dt / w.def.substeps;
     w.looked_for_contacts = choices.contacts;
     step.report.step = ++w.steps;
+    if (!step.report.quarantined.empty()) step.report.residual.reset();
     if (w.def.report_balance && step.report.quarantined.empty()) step.report.balance = balance_of(*this) - before;
     return step.finish();
 }

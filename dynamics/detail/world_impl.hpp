@@ -7,6 +7,7 @@
 #include <carom/dynamics/detail/contact_solver.hpp>
 #include <carom/dynamics/detail/impacts.hpp>
 #include <carom/dynamics/detail/integrator.hpp>
+#include <carom/dynamics/detail/contact_residual.hpp>
 #include <carom/dynamics/detail/direct_islands.hpp>
 #include <carom/dynamics/detail/part_surface.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
@@ -153,6 +154,7 @@ struct World::Impl {
     dynamics::ContactSet contacts, previous;
     dynamics::Impacts impacts;
     dynamics::DirectIslands direct;
+    dynamics::ResidualMeter residual;  // empty unless WorldDef::report_residual
     dynamics::ContactSolver solver;
     std::vector<dynamics::ValidPose> last_valid;  // by slot
     double soft_substep = 0.0;  // [s]; the contacts' frequency is contact_rate over this
