@@ -19,6 +19,10 @@ std::span<const StudyGroup> study_catalogue() {
         {"manifolds", "contacts of boxes, hulls and meshes: depth, normal, the area that few points span, and how steady their names are",
          manifold_studies},
         {"probes", "wheels of rays on terrain, steps and rails: contacts missed against the number of rays", probe_studies},
+        {"ccd", "vertices against faces and edges against edges in motion: contacts made up and missed, against tolerance and cap",
+         ccd_studies},
+        {"toi", "convex shapes that move and turn: contacts missed, and how early they are found, against tolerance and cap", toi_studies},
+        {"sweeps", "moving spheres and capsules against primitives in closed form: how early contacts are, in float and double", sweep_studies},
     };
     return groups;
 }

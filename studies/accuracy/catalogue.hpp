@@ -59,5 +59,10 @@ struct StudyGroup {
 [[nodiscard]] std::vector<Study> manifold_studies(const StudyOptions& options);
 /// Wheels of rays against the wheels themselves.
 [[nodiscard]] std::vector<Study> probe_studies(const StudyOptions& options);
+/// Deforming triangles: contacts missed and made up.
+[[nodiscard]] std::vector<Study> ccd_studies(const StudyOptions& options);
+/// Times of impact of turning shapes, and sweeps in closed form.
+[[nodiscard]] std::vector<Study> toi_studies(const StudyOptions& options);
+[[nodiscard]] std::vector<Study> sweep_studies(const StudyOptions& options);
 
 }  // namespace carom::accuracy
