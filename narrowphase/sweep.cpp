@@ -32,20 +32,28 @@ double farthest(const TriangleCore& t) noexcept { return std::max({glm::length(t
 SweepPart sweep_core(const SweepPath& path, const SegmentCore& s) noexcept { return sweep_segment(path, s.a, s.along); }
 SweepPart sweep_core(const SweepPath& path, const BoxCore& b) noexcept { return sweep_box(path, b.lower, b.upper); }
 SweepPart sweep_core(const SweepPath& path, const TriangleCore& t) noexcept {
-    const dvec3 u = t.b - t.a, v = t.c - t.a;
-    SweepPart first = sweep_face(path, t.a, u, v, FaceKind::Triangle);
-    first = earlier(first, sweep_segment(path, t.a, u));
-    first = earlier(first, sweep_segment(path, t.b, t.c - t.b));
-    return earlier(first, sweep_segment(path, t.c, t.a - t.c));
+    // From the corner opposite to the longest side, where the angle is largest.
+    const dvec3 ab = t.b - t.a, bc = t.c - t.b, ca = t.a - t.c;
+    const double c = glm::dot(ab, ab), a = glm::dot(bc, bc), b = glm::dot(ca, ca);
+    const bool at_a = a >= b && a >= c, at_b = !at_a && b >= c;
+    const dvec3 &corner = at_a ? t.a : at_b ? t.b : t.c, &u = at_a ? ab : at_b ? bc : ca, &back = at_a ? ca : at_b ? ab : bc;
+    SweepPath rim = path;
+    rim.radius += needle_width(path, u, -back);
+    SweepPart first = sweep_face(path, corner, u, -back, FaceKind::Triangle);
+    first = earlier(first, sweep_segment(rim, t.a, ab));
+    first = earlier(first, sweep_segment(rim, t.b, bc));
+    return earlier(first, sweep_segment(rim, t.c, ca));
 }
 
 /// The parallelogram that the edge q, q + u of B makes with the axis of A, and its rim.
 SweepPart sweep_edges(const SweepPath& path, const dvec3& axis, const dvec3& q, const dvec3& u) noexcept {
+    SweepPath rim = path;
+    rim.radius += needle_width(path, u, axis);
     SweepPart first = sweep_face(path, q, u, -axis, FaceKind::Parallelogram);
-    first = earlier(first, sweep_segment(path, q, u));
-    first = earlier(first, sweep_segment(path, q - axis, u));
-    first = earlier(first, sweep_segment(path, q, -axis));
-    return earlier(first, sweep_segment(path, q + u, -axis));
+    first = earlier(first, sweep_segment(rim, q, u));
+    first = earlier(first, sweep_segment(rim, q - axis, u));
+    first = earlier(first, sweep_segment(rim, q, -axis));
+    return earlier(first, sweep_segment(rim, q + u, -axis));
 }
 
 BoxCore moved(const BoxCore& b, const dvec3& by) noexcept { return {b.lower + by, b.upper + by}; }

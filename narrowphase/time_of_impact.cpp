@@ -1,6 +1,6 @@
 #include <carom/narrowphase/time_of_impact.hpp>
 
-#include <carom/collision/bvh_queries.hpp>
+#include <carom/collision/bvh_sweep.hpp>
 #include <carom/collision/convex_hull.hpp>
 #include <carom/core/math.hpp>
 #include <carom/narrowphase/detail/convex_query.hpp>
@@ -143,12 +143,14 @@ geo::MeshImpact time_of_impact(const Shape& a, const RigidMotion& motion_a, cons
         const Impact next = find_impact(pair, settings, first.t, nullptr);
         checks += next.checks;
         const bool earlier = !may_touch(first.status) || next.t < first.t || (next.t == first.t && index < first.triangle);
-        if (!may_touch(next.status) || !earlier) return true;
-        static_cast<Impact&>(first) = next;
-        first.triangle = index;
-        return true;
+        if (may_touch(next.status) && earlier) {
+            static_cast<Impact&>(first) = next;
+            first.triangle = index;
+        }
+        // Where the mesh turns, its boxes are met in another order than its triangles.
+        return turned > 0.0 ? 1.0 : first.t;
     };
-    overlapping_triangles(b.bvh(), geo::Capsule<double>{{from, from + along}, radius}, look);
+    triangles_along(b.bvh(), {.origin = from, .direction = along, .t_max = 1.0}, dvec3{radius}, look);
     static_cast<Impact&>(first) = placed(first, motion_a);
     first.checks = checks;
     return first;

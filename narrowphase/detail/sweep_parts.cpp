@@ -60,13 +60,24 @@ SweepPart sweep_segment(const SweepPath& path, const dvec3& q, const dvec3& u) n
     return earlier(sweep_point(path, q), sweep_point(path, q + u));
 }
 
+bool is_needle(const SweepPath& path, const dvec3& u, const dvec3& v) noexcept {
+    const double twice = glm::length(glm::cross(u, v)), a = glm::length(u), b = glm::length(v);
+    return !(kGrowth * path.size * (a * b) * std::max(a, b) < twice * twice);
+}
+
+double needle_width(const SweepPath& path, const dvec3& u, const dvec3& v) noexcept {
+    if (!is_needle(path, u, v)) return 0.0;
+    const double longest = std::max(glm::length(u), glm::length(v));
+    const double rounding = kGrowth * std::min(glm::length(u), glm::length(v));
+    return longest > 0.0 ? glm::length(glm::cross(u, v)) / longest + rounding : 0.0;
+}
+
 SweepPart sweep_face(const SweepPath& path, const dvec3& q, const dvec3& u, const dvec3& v, FaceKind kind) noexcept {
     const dvec3 area = glm::cross(u, v);
     const double twice = glm::length(area);
-    const double sides = glm::length(u) * glm::length(v);
-    if (!(twice > 0.0)) return {};
-    // The normal of a needle is uncertain by eps over the sine of its angle.
-    const double slack = kGrowth * (sides / twice) * path.size;
+    if (is_needle(path, u, v)) return {};
+    // The normal is uncertain by eps over the sine of the angle.
+    const double slack = kGrowth * (glm::length(u) * glm::length(v) / twice) * path.size;
     const double radius = path.radius + slack;
     dvec3 n = area / twice;
     double height = -glm::dot(n, q);  // of the moving point over the face

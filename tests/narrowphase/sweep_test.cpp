@@ -105,7 +105,7 @@ double nearest_time(const A& a, const glm::vec<3, T>& motion, const B& b) {
 }
 
 template <class T, class A, class B>
-void judge(const A& a, const glm::vec<3, T>& motion, const B& b, const BasicImpact<T>& impact, double nearest) {
+void judge(const A& a, const glm::vec<3, T>& motion, const B& b, const BasicImpact<T>& impact, double nearest, double early = 0.0) {
     const Truth<A, B, T> truth(a, motion, b);
     ASSERT_NE(impact.status, ImpactStatus::Invalid);
     if (impact.status == ImpactStatus::Separated) {
@@ -118,12 +118,12 @@ void judge(const A& a, const glm::vec<3, T>& motion, const B& b, const BasicImpa
     ASSERT_TRUE(impact.t == T(0) || truth.apart(t)) << "late: " << impact.t;
     const double size = 4.0 + glm::length(dvec3(motion)), step = std::is_same_v<T, float> ? 1.2e-7 : 2e-14;
     const double gap = std::sqrt(static_cast<double>(truth.distance_sq(t))) - std::sqrt(static_cast<double>(truth.radius_sq));
-    ASSERT_LT(gap, 1e-12 * size + step * glm::length(dvec3(motion)));
+    ASSERT_LT(gap, 1e-12 * size + step * glm::length(dvec3(motion)) + early);
     ASSERT_TRUE((impact.status == ImpactStatus::Overlapping) == (impact.t == T(0)));
     if (impact.status == ImpactStatus::Overlapping) return;
     ASSERT_NEAR(glm::length(dvec3(impact.normal)), 1.0, 1e-6);
     // The point lies on both: on A moved to t, and on B.
-    const double near = std::is_same_v<T, float> ? 4e-6 : 1e-9;
+    const double near = (std::is_same_v<T, float> ? 4e-6 : 1e-9) + early;
     exact::Solid moved = truth.a;
     for (exact::Vec& p : moved.corners) p = p + t * truth.motion;
     const auto off = [&](const exact::Solid& s) {
@@ -311,6 +311,25 @@ TEST(Sweep, MeshesGiveTheFirstOfTheirTriangles) {
     EXPECT_EQ(geo::sweep(geo::Sphere<double>{dvec3{kInfinity}, 1.0}, dvec3{1.0}, *mesh).status, ImpactStatus::Invalid);
     EXPECT_EQ(geo::sweep(geo::Capsule<double>{{dvec3{0.0}, dvec3{1.0}}, -1.0}, dvec3{1.0}, *mesh).status, ImpactStatus::Invalid);
     EXPECT_EQ(geo::sweep(geo::Sphere<double>{dvec3{0.0}, 1.0}, dvec3{kInfinity}, *mesh).status, ImpactStatus::Invalid);
+}
+
+/// Needles and caps, whose normals are lost to rounding, and nearly parallel edges: met, and not from afar.
+TEST(Sweep, NeedlesAreMetWhereTheyAre) {
+    Random random(0x4eed1e);
+    for (int i = 0; i < 300; ++i) {
+        const double width = std::pow(10.0, random.range(-19.0, -2.0));
+        const dvec3 a = any_vector<double>(random, 1.0), along = test::random_direction(random), aside = test::random_direction(random);
+        const geo::Triangle<double> needle{a, a + along, a + (i % 2 == 0 ? 1.0 : 0.4) * along + width * aside};
+        const geo::Sphere<double> ball{a + 0.4 * along + 3.0 * aside, random.range(0.01, 0.2)};
+        const Impact hit = geo::sweep(ball, -6.0 * aside, needle);
+        judge<double>(ball, -6.0 * aside, needle, hit, 0.5, 1e-6);
+        ASSERT_EQ(hit.status, ImpactStatus::Touching) << width;
+        ASSERT_GT(hit.t, 0.3) << width;
+        const geo::Capsule<double> rod{{ball.center, ball.center + along + width * aside}, ball.radius}, other{{a, a + along}, 0.1};
+        const Impact rods = geo::sweep(rod, -6.0 * aside, other);
+        judge<double>(rod, -6.0 * aside, other, rods, 0.5, 1e-6);
+        if (HasFatalFailure()) FAIL() << i << " width " << width;
+    }
 }
 
 /// Points, segments and flat boxes; motions of zero.
