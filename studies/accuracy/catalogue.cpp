@@ -26,6 +26,10 @@ std::span<const StudyGroup> study_catalogue() {
          solver_studies},
         {"pipeline", "whole scenes by method, step and substeps: slide, bounce, top, creep, column, pyramid and pile; course, overlap and jitter",
          pipeline_studies},
+        {"ccd", "vertices against faces and edges against edges in motion: contacts made up and missed, against tolerance and cap",
+         ccd_studies},
+        {"toi", "convex shapes that move and turn: contacts missed, and how early they are found, against tolerance and cap", toi_studies},
+        {"sweeps", "moving spheres and capsules against primitives in closed form: how early contacts are, in float and double", sweep_studies},
     };
     return groups;
 }

@@ -67,5 +67,10 @@ struct StudyGroup {
 [[nodiscard]] std::vector<Study> solver_studies(const StudyOptions& options);
 /// Whole scenes; pipeline_cases.hpp has the measures.
 [[nodiscard]] std::vector<Study> pipeline_studies(const StudyOptions& options);
+/// Deforming triangles: contacts missed and made up.
+[[nodiscard]] std::vector<Study> ccd_studies(const StudyOptions& options);
+/// Times of impact of turning shapes, and sweeps in closed form.
+[[nodiscard]] std::vector<Study> toi_studies(const StudyOptions& options);
+[[nodiscard]] std::vector<Study> sweep_studies(const StudyOptions& options);
 
 }  // namespace carom::accuracy

@@ -1,0 +1,49 @@
+// A point that moves from the origin along `motion`, t in [0, 1], against what closed shapes are made of, grown by a radius: points,
+// segments, parallelograms and triangles without their rim, boxes.
+//
+//   SweepPart first = sweep_segment(path, q, u);
+//   first = earlier(first, sweep_face(path, q, u, v, FaceKind::Triangle));
+//
+// Rounding, with S = path.size: each function finds the part with its surface moved by less than 16 eps S, since distances from the line
+// come from cross products of relative error eps with |q| <= S, and lengths along it from products of sums and differences. `radius`
+// is grown by kGrowth eps S beforehand, so that answers are those of larger parts, and times are then moved down by kRounded, more than the
+// few roundings that make them up.
+#pragma once
+
+#include <carom/core/types.hpp>
+
+namespace carom::detail {
+
+inline constexpr double kNoContact = 2.0;
+inline constexpr double kGrowth = 32.0 * 0x1p-52;
+inline constexpr double kLeastGrowth = 1e-70;
+inline constexpr double kLargestSwept = 1e70;
+inline constexpr double kRounded = 1.0 - 0x1p-48;
+
+struct SweepPath {
+    dvec3 motion{0.0};
+    double radius = 0.0;  ///< grown
+    double size = 0.0;    ///< S
+};
+
+struct SweepPart {
+    double t = kNoContact;
+    dvec3 normal{0.0};  ///< towards the part; its length is 1 or, where the part is met at no distance, 0
+};
+[[nodiscard]] inline const SweepPart& earlier(const SweepPart& a, const SweepPart& b) noexcept { return b.t < a.t ? b : a; }
+
+enum class FaceKind : unsigned char { Triangle, Parallelogram };
+
+[[nodiscard]] SweepPart sweep_point(const SweepPath& path, const dvec3& q) noexcept;
+/// q + s u, 0 <= s <= 1; u may be zero.
+[[nodiscard]] SweepPart sweep_segment(const SweepPath& path, const dvec3& q, const dvec3& u) noexcept;
+/// A face at whose corner between u and v the angle is so small that its normal is uncertain by more than its width: its rim, grown by
+/// needle_width(), which is 0 for other faces, holds all of it.
+[[nodiscard]] bool is_needle(const SweepPath& path, const dvec3& u, const dvec3& v) noexcept;
+[[nodiscard]] double needle_width(const SweepPath& path, const dvec3& u, const dvec3& v) noexcept;
+/// The inside of the face at the corner q with the sides u and v, without its rim. Nothing where it is a needle.
+[[nodiscard]] SweepPart sweep_face(const SweepPath& path, const dvec3& q, const dvec3& u, const dvec3& v, FaceKind kind) noexcept;
+/// A solid box along the axes, rim and all.
+[[nodiscard]] SweepPart sweep_box(const SweepPath& path, const dvec3& lower, const dvec3& upper) noexcept;
+
+}  // namespace carom::detail

@@ -1,0 +1,56 @@
+// When two convex shapes that move and turn first touch, and a convex shape and a mesh: never later than they do.
+//
+//   RigidMotion fall{.start = pose, .translation = dt * velocity, .rotation = dt * spin};
+//   Impact hit = time_of_impact(box, fall, wall, {.start = wall_pose});
+//   if (may_touch(hit.status)) pose = pose_at(fall, hit.t);
+#pragma once
+
+#include <carom/collision/triangle_mesh.hpp>
+#include <carom/core/pose.hpp>
+#include <carom/narrowphase/distance.hpp>
+#include <carom/narrowphase/sweep.hpp>
+
+namespace carom {
+
+/// A screw: from t = 0 to t = 1 a point of the shape moves by `translation` on a straight line at constant speed, while the shape turns about
+/// it at the constant rate `rotation`, by as many turns as that makes: not by the short arc between two poses.
+struct RigidMotion {
+    Pose start{};             ///< of the shape at t = 0; the orientation of unit length to rounding
+    dvec3 translation{0.0};   ///< of the pivot [m]
+    dvec3 rotation{0.0};      ///< angular velocity times duration, world axes [rad]
+    dvec3 pivot{0.0};         ///< what the shape turns about, in its own frame [m]: a body's centre of mass
+};
+
+/// @return where a shape is at t.
+[[nodiscard]] Pose pose_at(const RigidMotion& motion, double t) noexcept;
+
+struct TimeOfImpactSettings {
+    double separation = 0.0;  ///< shapes this near count as touching [m]; >= 0, finite
+    double tolerance = 0.0;   ///< the search ends once they are within separation + tolerance [m]; >= 0. At least 1e-9 of their sizes
+    int most_checks = 128;    ///< cap on the certificates, each of which moves t on; >= 1
+};
+
+/// The first contact of two convex shapes: spheres, boxes, capsules, hulls, cylinders, cones; and of one such and a plane that does not turn.
+///
+/// Guarantee: no contact before t, whatever the status (but for Invalid), and none at all where it is Separated. Each step from t to t + h is
+/// paid for by a plane with the normal n that keeps the shapes apart: along n a point r from its pivot moves by n . (v s + w x r s) but for
+/// a remainder of at most |w| |w x n| |r| s^2 / 2, so the gap is at least a concave function of s, the support functions of the shapes
+/// along n + s (n x w), less the remainder and what rounding may do. Where that is positive at s = 0 and at h, it is between.
+///
+/// Method: conservative advancement (Mirtich 1996) from the closest points (GJK). Departures: the bound on the motion is not |v| + |w| r but
+/// the support functions above, so that a step is limited by the curvature of the paths alone; its length is found by the secant of
+/// the concave gap, which cannot overshoot. Without rotation it is the ray cast of van den Bergen (2004).
+/// @param cache  null, or where the search for closest points begins; see DistanceCache.
+/// @return `point` on B. Clamped: at the cap on checks.
+/// Accuracy: where Touching the shapes are within separation + tolerance, with E = 1.4e-14 (1 + |rotations|) (sizes, distance, motion).
+/// Bad input (NaN, infinity, lengths beyond 1e70 m, turns beyond 1e9 rad, settings out of range, a mesh or compound, two planes, a null hull, a plane that turns): Invalid.
+/// Cost: some 2 to 4 µs for each 2 to 5 certificates of boxes; 50 ns where balls about the pivots do not meet. No allocation; thread-safe.
+[[nodiscard]] Impact time_of_impact(const Shape& a, const RigidMotion& motion_a, const Shape& b, const RigidMotion& motion_b,
+                                    const TimeOfImpactSettings& settings = {}, DistanceCache* cache = nullptr) noexcept;
+
+/// The first contact of a convex shape and the surface of a mesh, and its triangle (the lowest of several at one t).
+/// @param a  convex, not a plane; else Invalid. Cost: the sum over the triangles near the ball about A's pivot as it moves.
+[[nodiscard]] geo::MeshImpact time_of_impact(const Shape& a, const RigidMotion& motion_a, const TriangleMesh& b,
+                                             const RigidMotion& motion_b, const TimeOfImpactSettings& settings = {});
+
+}  // namespace carom
