@@ -34,6 +34,7 @@ struct BodyDef {
     double linear_damping = 0.0;            ///< of dynamic bodies: without other forces v falls by exp(-c t), c >= 0 [1/s]
     double angular_damping = 0.0;           ///< the same of the angular momentum
     unsigned char locked = LockedAxes::None;  ///< of dynamic bodies
+    bool can_sleep = true;                  ///< false, of dynamic bodies: it stays awake, and so does all that touches it
 };
 
 /// How the values of two shapes become that of their contact. A shape that names no rule leaves it to the other; where both name one, the

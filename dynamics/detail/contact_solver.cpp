@@ -116,6 +116,7 @@ void ContactSolver::fill_sides(const ProxySet& proxies, const BodyArrays& bodies
         for (std::size_t slot = begin; slot < end; ++slot) {
             if (proxies.kinds[slot] == ProxyKind::None) continue;
             const Proxy& proxy = proxies.by_slot[slot];
+            if (bodies.roles[proxy.body] == Role::Asleep) continue;
             const std::int32_t row = row_of_slot_[proxy.body];
             sides_[slot] = {.origin = proxies.poses[slot].position,
                             .centre = bodies.states[proxy.body].pose.position,

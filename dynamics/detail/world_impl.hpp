@@ -10,6 +10,7 @@
 #include <carom/dynamics/detail/direct_islands.hpp>
 #include <carom/dynamics/detail/part_surface.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
+#include <carom/dynamics/detail/sleepers.hpp>
 #include <carom/dynamics/world.hpp>
 #include <carom/narrowphase/collide.hpp>
 
@@ -78,6 +79,7 @@ inline constexpr double kMostDamping = 1e9;  ///< [1/s]
 struct StepChoices {
     bool contacts = true;     ///< two shapes exist that could meet: Bounds to Relax, and Store
     bool restitution = true;  ///< some shape bounces
+    bool all_asleep = false;  ///< every dynamic body sleeps, and no kinematic one moves
 };
 
 }  // namespace dynamics
@@ -127,6 +129,18 @@ struct World::Impl {
     void put_in(BodyId body);
     void take_out(BodyId body);
     void count_body(BodyId body, int sign);
+    /// Wakes a body's island; of a body without mass what sleeps on it. Nothing where sleep is off.
+    void wake(BodyId body);
+    /// A body without mass came, or was put elsewhere: what it is near to wakes in the next step.
+    void note_placed(BodyId body);
+    /// Whether anything dynamic is awake, or anything kinematic moves.
+    [[nodiscard]] bool is_any_awake() const;
+    /// What wakes by others than contacts, before a step.
+    void wake_before_step(double dt);
+    /// What wakes by the contacts found in this step. @return whether anything does: the contacts must be found again.
+    [[nodiscard]] bool wake_touched();
+    void fall_asleep(double dt, StepReport& report);
+    [[nodiscard]] dynamics::SleepScene sleep_scene() { return {contacts, arrays, def.gravity, {}}; }
     /// What the scene as it stands needs; all of it in PlanMode::Everything.
     [[nodiscard]] dynamics::StepChoices choose() const;
     /// The broadphase's method and why; before the first step, what that will choose.
@@ -154,6 +168,7 @@ struct World::Impl {
     dynamics::Impacts impacts;
     dynamics::DirectIslands direct;
     dynamics::ContactSolver solver;
+    dynamics::Sleepers sleepers;
     std::vector<dynamics::ValidPose> last_valid;  // by slot
     double soft_substep = 0.0;  // [s]; the contacts' frequency is contact_rate over this
     double last_substep = 0.0;  // [s]; impulses are carried in proportion
