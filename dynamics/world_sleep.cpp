@@ -8,12 +8,6 @@ namespace carom {
 
 using dynamics::Role;
 
-namespace {
-
-bool moves_by_itself(const dynamics::BodyState& state) { return state.velocity != dvec3{0.0} || state.spin != dvec3{0.0}; }
-
-}  // namespace
-
 void World::Impl::wake(BodyId body) {
     if (!sleepers.is_on()) return;
     const Role role = arrays.roles[body.slot];
@@ -28,11 +22,10 @@ void World::Impl::note_placed(BodyId body) {
 
 bool World::Impl::is_any_awake() const {
     if (sleepers.count() == 0) return true;
-    std::size_t awake = 0;
-    for (std::size_t slot = 0; slot < arrays.roles.size(); ++slot) {
-        awake += arrays.roles[slot] == Role::Dynamic || (arrays.roles[slot] == Role::Kinematic && moves_by_itself(arrays.states[slot])) ? 1 : 0;
+    for (std::uint32_t slot = 0; slot < arrays.roles.size(); ++slot) {
+        if (dynamics::stirs(arrays, slot)) return true;
     }
-    return awake > 0;
+    return false;
 }
 
 void World::Impl::wake_before_step(double dt) {

@@ -13,8 +13,7 @@ namespace {
 constexpr double kLooks = 8.0;
 
 bool moves_others(const BodyArrays& bodies, std::uint32_t slot) noexcept {
-    const BodyState& state = bodies.states[slot];
-    return bodies.roles[slot] == Role::Kinematic && (state.velocity != dvec3{0.0} || state.spin != dvec3{0.0});
+    return bodies.roles[slot] == Role::Kinematic && stirs(bodies, slot);
 }
 
 bool pushes(const ContactPair& pair, const ContactSet& contacts) noexcept {
@@ -128,9 +127,8 @@ void Sleepers::sync(const BodyArrays& bodies, ProxySet& proxies) noexcept {
 void Sleepers::drop_idle(const ProxySet& proxies, const BodyArrays& bodies, std::vector<NumberedPair>& candidates) {
     std::erase_if(candidates, [&](const NumberedPair& pair) {
         const std::uint32_t a = proxies.bodies[pair.a], b = proxies.bodies[pair.b];
-        if (bodies.roles[a] == Role::Dynamic || bodies.roles[b] == Role::Dynamic) return false;
-        const bool meets = (bodies.roles[a] == Role::Asleep && moves_others(bodies, b)) || (bodies.roles[b] == Role::Asleep && moves_others(bodies, a));
-        return !meets;
+        const bool meet = (has_mass(bodies.roles[a]) && stirs(bodies, b)) || (has_mass(bodies.roles[b]) && stirs(bodies, a));
+        return !meet && bodies.roles[a] != Role::Dynamic && bodies.roles[b] != Role::Dynamic;
     });
 }
 

@@ -27,6 +27,12 @@ struct BodyLink {
 /// @return what gravity pulls a body by along the axes that are free to it [m/s²].
 [[nodiscard]] dvec3 free_pull(const BodyArrays& bodies, std::size_t slot, const dvec3& gravity) noexcept;
 
+/// @return whether the body may wake others: it is dynamic and awake, or kinematic and moves.
+[[nodiscard]] inline bool stirs(const BodyArrays& bodies, std::uint32_t slot) noexcept {
+    if (bodies.roles[slot] != Role::Kinematic) return bodies.roles[slot] == Role::Dynamic;
+    return bodies.states[slot].velocity != dvec3{0.0} || bodies.states[slot].spin != dvec3{0.0};
+}
+
 /// What islands are made of.
 struct SleepScene {
     ContactSet& contacts;  ///< of the last step; those of what falls asleep are taken out

@@ -5,6 +5,7 @@
 #include <carom/core/math.hpp>
 #include <carom/core/random.hpp>
 #include <carom/core/simd_width.hpp>
+#include <carom/dynamics/explain.hpp>
 
 #include <gtest/gtest.h>
 
@@ -250,6 +251,31 @@ TEST(Wake, TheHashTellsWhoSleepsAndHowLongOthersHaveBeenStill) {
     };
     EXPECT_EQ(hash([](World&, BodyId) {}), hash([](World&, BodyId) {}));
     EXPECT_NE(hash([](World&, BodyId) {}), hash([](World& w, BodyId b) { w.wake(b); }));
+}
+
+TEST(Wake, ExplainSaysWhoTouchesWhomAsleep) {
+    Columns c;
+    const auto expect = [&](BodyId a, BodyId b, Rung rung, const char* part) {
+        const ContactExplanation why = c.world.explain(a, b);
+        EXPECT_EQ(why.rung, rung) << why.sentence;
+        EXPECT_NE(why.sentence.find(part), std::string::npos) << why.sentence;
+        EXPECT_TRUE(why.disagreements.empty()) << why.disagreements.front();
+    };
+    const BodyId ball = c.world.create_body({.position = {0, 40, 0}, .can_sleep = false});
+    c.world.add_shape(ball, Sphere{0.5f});
+    for (int round = 0; round < 2; ++round) {  // in a step with contacts, and after one that looked for none
+        expect(c.on_slab[0], c.on_slab[1], Rung::Asleep, "they touch as they did when they fell asleep, with 4 points");
+        expect(c.slab, c.on_slab[0], Rung::Asleep, "they touch as they did");
+        expect(c.on_lift[0], c.lift, Rung::Asleep, "they touch as they did");
+        expect(c.on_lift[0], c.on_plane[0], Rung::Asleep, "they did not when it fell asleep");
+        c.world.step(kDt);
+    }
+    expect(ball, c.on_plane[1], Rung::Bounds, "apart along y");
+    c.world.wake(c.on_slab[0]);
+    expect(c.on_slab[0], c.on_slab[1], Rung::OutOfStep, "did not know");
+    c.world.step(kDt);
+    expect(c.on_slab[0], c.on_slab[1], Rung::Touch, "they overlap");
+    expect(c.on_slab[0], c.slab, Rung::Touch, "they overlap");
 }
 
 TEST(Wake, ThePlanSaysWhatSleepsAndWhatThatLeavesOut) {
