@@ -123,6 +123,10 @@ Plan World::plan(double dt) const {
     }
     plan.settings.push_back(def.relax ? "a relax pass follows each substep" : "no relax pass: pushing overlap out adds energy");
     plan.settings.push_back(sentence("overlap is pushed out by at most %.4g of the smallest extent a step", def.max_push));
+    if (impl_->census.resisting_shapes > 0) {
+        plan.settings.push_back(sentence("%.0f shapes resist to rolling or spinning: a pass over their contacts follows each Solve and Relax, and their islands stay soft",
+                                         impl_->census.resisting_shapes));
+    }
     if (def.sleep.enabled) {
         plan.settings.push_back(sentence("islands sleep that have been still for %.4g s", def.sleep.time) +
                                 sentence(": no point moved by more than %.4g of the smallest extent", def.sleep.motion));

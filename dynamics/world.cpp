@@ -64,7 +64,9 @@ const char* fault_of(const ShapeDef& def) {
     if (!is_finite(def.density) || def.density <= 0.0) return "density must be positive";
     if (!is_finite(def.friction) || def.friction < 0.0f) return "friction must not be negative";
     if (!is_finite(def.restitution) || def.restitution < 0.0f || def.restitution > 1.0f) return "restitution must be in [0, 1]";
-    for (const std::optional<CombineRule>& rule : {def.friction_rule, def.restitution_rule}) {
+    if (!(def.rolling_resistance >= 0.0f && def.rolling_resistance <= 1e30f)) return "rolling_resistance must be within 0 .. 1e30 m";
+    if (!(def.torsion >= 0.0f && def.torsion <= 1e30f)) return "torsion must be within 0 .. 1e30 m";
+    for (const std::optional<CombineRule>& rule : {def.friction_rule, def.restitution_rule, def.rolling_rule}) {
         if (rule && *rule > CombineRule::Maximum) return "no such rule to combine by";
     }
     if (!is_finite(def.local) || !is_unit(def.local.orientation)) return "the local pose must be finite, of unit orientation";
@@ -197,7 +199,7 @@ ShapeId World::add_shape(BodyId body, Shape shape, const ShapeDef& def) {
     if (mass) impl_->assign_mass(body, *mass);
     if (record->quarantined) return id;
     const dynamics::ShapeRecord& added = *impl_->shapes.find(id);
-    impl_->census.count_shape(added.shape, added.def.restitution, +1);
+    impl_->census.count_shape(added.shape, added.def, +1);
     if (record->shapes.size() == 1) impl_->census.count_body(record->type, +1);
     if (mass) {
         impl_->put_proxies(body);  // the centre of mass is another
@@ -264,6 +266,7 @@ void World::Impl::put_proxy(ShapeId id) {
     const bool surface = type_of(s.shape) == ShapeType::TriangleMesh && arrays.roles[slot] != Role::Dynamic;
     proxy.extent = surface ? std::numeric_limits<double>::infinity() : smallest_extent(s.shape);
     proxy.surface = {s.def.friction, s.def.restitution, s.def.friction_rule, s.def.restitution_rule};
+    proxy.resistance = {s.def.rolling_resistance, s.def.torsion, s.def.rolling_rule};
     // What is kinematic may wake what sleeps: pairs of the two are wanted.
     const bool is_movable = arrays.roles[slot] == Role::Dynamic || (sleepers.is_on() && arrays.roles[slot] == Role::Kinematic);
     dynamics::put_proxy(proxies, std::move(proxy), ProxyFilter{s.def.layer, s.def.mask, is_movable});
@@ -292,7 +295,7 @@ void World::Impl::count_body(BodyId body, int sign) {
     if (!record.shapes.empty()) census.count_body(record.type, sign);
     for (const ShapeId id : record.shapes) {
         const dynamics::ShapeRecord& shape = *shapes.find(id);
-        census.count_shape(shape.shape, shape.def.restitution, sign);
+        census.count_shape(shape.shape, shape.def, sign);
     }
 }
 

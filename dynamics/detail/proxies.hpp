@@ -45,6 +45,7 @@ struct Proxy {
     double reach = 0.0;            ///< farthest point from the centre of mass [m]
     double extent = 0.0;           ///< smallest extent of the shape [m]
     Surface surface;
+    Resistance resistance;
 };
 
 /// Bodies of a step, all indexed by slot.

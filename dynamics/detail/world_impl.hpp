@@ -47,6 +47,7 @@ struct Census {
     int bodies = 0;
     int dynamic_bodies = 0;
     int bouncing_shapes = 0;
+    int resisting_shapes = 0;  ///< to rolling or spinning
 
     /// A body with shapes comes (sign +1) or goes (-1).
     void count_body(BodyType type, int sign) noexcept {
@@ -54,8 +55,9 @@ struct Census {
         if (type == BodyType::Dynamic) dynamic_bodies += sign;
     }
     /// One of its shapes does.
-    void count_shape(const Shape& shape, float restitution, int sign) noexcept {
-        if (bounces(shape, restitution)) bouncing_shapes += sign;
+    void count_shape(const Shape& shape, const ShapeDef& def, int sign) noexcept {
+        if (bounces(shape, def.restitution)) bouncing_shapes += sign;
+        if (resists({def.rolling_resistance, def.torsion})) resisting_shapes += sign;
     }
 };
 
@@ -90,7 +92,7 @@ struct World::Impl {
     [[nodiscard]] Executor& executor() noexcept { return def.executor != nullptr ? *def.executor : serial; }
 
     [[nodiscard]] dynamics::SolverSettings solver_settings(double dt) const noexcept {
-        return {def.gravity, dt, def.substeps, contact_rate(dt), def.contact_damping, def.max_push};
+        return {def.gravity, dt, def.substeps, contact_rate(dt), def.contact_damping, def.max_push, census.resisting_shapes > 0};
     }
     [[nodiscard]] dynamics::DirectStep direct_step(double dt) const noexcept {
         return {def.gravity, dt, soft_substep * def.substeps, def.substeps, contact_rate(dt), def.max_push, def.direct_sag};
