@@ -58,7 +58,9 @@ TEST(Rolling, SlopesBelowTheRollingAngleHoldBalls) {
         for (int i = 0; i < 120; ++i) world.step(kDt);
         const double expected = std::max(0.0, kG * (std::sin(angle) - std::cos(angle) * rho / radius) / 1.4) * 2.0;
         EXPECT_NEAR(glm::length(world.linear_velocity(ball)), expected, slope < 1.0 ? 1e-6 : 1e-3 * 2.0 * kG * rho / radius / 1.4) << slope;
-        if (slope < 1.0) EXPECT_LT(glm::length(world.pose(ball).position - rotate(turn, dvec3{0, radius, 0})), 1e-3 * radius) << slope;
+        if (slope < 1.0) {
+            EXPECT_LT(glm::length(world.pose(ball).position - rotate(turn, dvec3{0, radius, 0})), 1e-3 * radius) << slope;
+        }
     }
 }
 
