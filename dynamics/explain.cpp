@@ -44,6 +44,7 @@ struct LastStep {
     const Broadphase& broadphase;
     std::span<const NumberedPair> candidates;
     const dynamics::ContactSet& contacts;
+    const dynamics::ContactSet& asleep;  ///< of what sleeps
     double dt = 0.0;  ///< [s]
     bool looked_for_contacts = false;
 };
@@ -58,6 +59,11 @@ public:
         pair.shape_b = b;
         pair.filter = filter_of(a, b);
         const bool passes = pair.filter->any_moves && pair.filter->layers_agree;
+        if (passes && (is_idle_asleep(a, b) || is_idle_asleep(b, a))) {
+            pair.rung = Rung::Asleep;
+            pair.found = summary_of(contacts_of(w_.asleep, listed_order(w_.proxies, a.slot, b.slot)));
+            return pair;
+        }
         pair.rung = !passes ? Rung::Filter : !w_.looked_for_contacts ? Rung::NoStep : Rung::OutOfStep;
         if (!w_.looked_for_contacts || !known(a) || !known(b)) return pair;
 
@@ -83,6 +89,12 @@ public:
     }
 
 private:
+    /// Whether the body of `a` sleeps, and that of `b` does nothing that could wake it.
+    [[nodiscard]] bool is_idle_asleep(ShapeId a, ShapeId b) const {
+        const std::uint32_t slot_a = w_.shapes.find(a)->body.slot, slot_b = w_.shapes.find(b)->body.slot;
+        return w_.arrays.roles[slot_a] == Role::Asleep && !dynamics::stirs(w_.arrays, slot_b);
+    }
+
     void disagree(const std::string& what, const NumberedPair& pair) const {
         disagreements_.push_back("shapes " + std::to_string(pair.a) + " and " + std::to_string(pair.b) + ": " + what);
     }
@@ -100,6 +112,8 @@ private:
     [[nodiscard]] bool known(ShapeId id) const {
         const ProxySet& p = w_.proxies;
         if (id.slot >= p.kinds.size() || p.kinds[id.slot] == ProxyKind::None || p.by_slot[id.slot].id != id || p.stale[id.slot] != 0) return false;
+        const bool woken = w_.arrays.roles[p.bodies[id.slot]] == Role::Dynamic && !p.filters[id.slot].movable;
+        if (woken) return false;
         return p.kinds[id.slot] == ProxyKind::Plane || p.listed[id.slot] != 0;
     }
 
@@ -162,7 +176,7 @@ private:
         if (find_candidate(listed) == nullptr) return;
         std::vector<Manifold> anew;
         carom::collide(placed(listed.a, listed.b), 0, anew);
-        const std::span<const Manifold> had = contacts_of(listed);
+        const std::span<const Manifold> had = contacts_of(w_.contacts, listed);
         pair.found = summary_of(had);
         pair.found->carried = !same_contacts(anew, had);
         if (pair.found->carried && !may_be_carried(summary_of(anew), *pair.found, listed)) {
@@ -193,12 +207,12 @@ private:
         return std::abs(anew.least_separation - had.least_separation) <= 1.01 * slack;
     }
 
-    [[nodiscard]] std::span<const Manifold> contacts_of(const NumberedPair& listed) const {
+    [[nodiscard]] std::span<const Manifold> contacts_of(const dynamics::ContactSet& set, const NumberedPair& listed) const {
         const std::uint64_t key = dynamics::contact_pair(w_.proxies, listed).key;
-        const auto& pairs = w_.contacts.pairs;
+        const auto& pairs = set.pairs;
         const auto found = std::ranges::lower_bound(pairs, key, {}, &ContactPair::key);
         if (found == pairs.end() || found->key != key) return {};
-        return std::span(w_.contacts.manifolds).subspan(found->first_manifold, found->manifold_count);
+        return std::span(set.manifolds).subspan(found->first_manifold, found->manifold_count);
     }
 
     [[nodiscard]] static Rung rung_of(const StepContacts& found) {
@@ -231,7 +245,7 @@ ContactExplanation World::explain(BodyId a, BodyId b) const {
         return why;
     }
     const Impl& w = *impl_;
-    const LastStep step{w.bodies,     w.shapes,   w.arrays,   w.proxies, w.broadphase, w.candidates, w.contacts, w.last_substep * w.def.substeps,
+    const LastStep step{w.bodies,     w.shapes,   w.arrays,   w.proxies, w.broadphase, w.candidates, w.contacts, w.sleepers.contacts(), w.last_substep * w.def.substeps,
                         w.looked_for_contacts};
     const PairClimb climb(step, why.disagreements);
     for (const ShapeId shape_a : of_a->shapes) {

@@ -38,9 +38,17 @@ std::string reason_for_direct(Stage stage, const WorldDef& def) {
                                    : "runs where there are such islands: small enough for the budget, and at rest, unless they are very small and squashed; the others stay soft";
 }
 
+std::string reason_for_sleep(const WorldDef& def, std::size_t asleep, std::size_t dynamic) {
+    if (!def.sleep.enabled) return "skipped: WorldDef::sleep is off";
+    return "runs: " + std::to_string(asleep) + " of " + std::to_string(dynamic) + " dynamic bodies sleep, and the other stages have nothing to do for them";
+}
+
 std::string reason_for(Stage stage, const dynamics::StepChoices& choices, const WorldDef& def, bool everything) {
     if (stage == Stage::Restitution && !choices.restitution) return "skipped: no shape bounces (all restitution is 0)";
     if (stage == Stage::Relax && !def.relax) return "skipped: WorldDef::relax is off";
+    if (!choices.contacts && choices.all_asleep && stage != Stage::Positions && stage != Stage::Quarantine) {
+        return "skipped: every dynamic body sleeps, and nothing else moves";
+    }
     if (!choices.contacts && stage != Stage::Positions && stage != Stage::Quarantine) {
         return "skipped: no two shapes could meet (one body with shapes, or none that moves)";
     }
@@ -61,6 +69,7 @@ bool runs(Stage stage, const dynamics::StepChoices& choices, const WorldDef& def
         case Stage::Direct: return choices.contacts && looks_at_islands(def);
         case Stage::Positions:
         case Stage::Quarantine: return true;
+        case Stage::Sleep: return def.sleep.enabled;
         case Stage::Restitution: return choices.contacts && choices.restitution;
         case Stage::Relax: return choices.contacts && def.relax;
         default: return choices.contacts;
@@ -71,7 +80,8 @@ bool runs(Stage stage, const dynamics::StepChoices& choices, const WorldDef& def
 
 dynamics::StepChoices World::Impl::choose() const {
     if (def.plan == PlanMode::Everything) return {};
-    return {census.bodies >= 2 && census.dynamic_bodies > 0, census.bouncing_shapes > 0};
+    const bool could_meet = census.bodies >= 2 && census.dynamic_bodies > 0, any_awake = is_any_awake();
+    return {could_meet && any_awake, census.bouncing_shapes > 0, !any_awake};
 }
 
 BroadphasePlan World::Impl::plan_broadphase(double dt) const {
@@ -102,7 +112,9 @@ Plan World::plan(double dt) const {
     plan.substeps = def.substeps;
     for (const Stage stage : all_stages()) {
         const bool everything = def.plan == PlanMode::Everything;
-        plan.entries.push_back({stage, runs(stage, choices, def), reason_for(stage, choices, def, everything)});
+        plan.entries.push_back({stage, runs(stage, choices, def),
+                                stage == Stage::Sleep ? reason_for_sleep(def, impl_->sleepers.count(), static_cast<std::size_t>(impl_->census.dynamic_bodies))
+                                                      : reason_for(stage, choices, def, everything)});
     }
     plan.broadphase = impl_->plan_broadphase(dt);
     plan.settings.push_back(sentence("substeps: %.0f a step", def.substeps));
@@ -118,6 +130,14 @@ Plan World::plan(double dt) const {
     }
     plan.settings.push_back(def.relax ? "a relax pass follows each substep" : "no relax pass: pushing overlap out adds energy");
     plan.settings.push_back(sentence("overlap is pushed out by at most %.4g of the smallest extent a step", def.max_push));
+    if (impl_->census.resisting_shapes > 0) {
+        plan.settings.push_back(sentence("%.0f shapes resist to rolling or spinning: a pass over their contacts follows each Solve and Relax, and their islands stay soft",
+                                         impl_->census.resisting_shapes));
+    }
+    if (def.sleep.enabled) {
+        plan.settings.push_back(sentence("islands sleep that have been still for %.4g s", def.sleep.time) +
+                                sentence(": no point moved by more than %.4g of the smallest extent", def.sleep.motion));
+    }
     return plan;
 }
 

@@ -20,8 +20,9 @@ enum class Stage : unsigned char {
     Relax,
     Store,
     Quarantine,
+    Sleep,
 };
-inline constexpr int kStageCount = 14;
+inline constexpr int kStageCount = 15;
 
 /// @return the name as written above.
 [[nodiscard]] const char* to_string(Stage stage) noexcept;

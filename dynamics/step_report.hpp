@@ -82,6 +82,10 @@ struct StepReport {
     DirectCounts direct;
     std::size_t deep = 0;        ///< points that began the step so deep that their push was limited by WorldDef::max_push
 
+    std::size_t asleep = 0;       ///< bodies that sleep after the step; pairs, manifolds and contacts above are without them
+    std::size_t fell_asleep = 0;  ///< since the step before, in this one included
+    std::size_t woken = 0;        ///< likewise
+
     std::optional<Balance> balance;      ///< where WorldDef::report_balance is on, unless the step quarantined a body
     std::optional<ContactResidual> residual;  ///< where WorldDef::report_residual is on, under the same condition
     std::vector<BodyId> quarantined;     ///< bodies that went non-finite in this step: restored, stopped and out of the simulation

@@ -16,6 +16,7 @@
 #include <carom/dynamics/body.hpp>
 #include <carom/dynamics/contact_method.hpp>
 #include <carom/dynamics/plan.hpp>
+#include <carom/dynamics/sleep_settings.hpp>
 #include <carom/dynamics/step_report.hpp>
 #include <carom/narrowphase/manifold.hpp>
 
@@ -50,6 +51,7 @@ struct WorldDef {
     bool relax = true;                ///< the pass that takes out the energy of the push
     bool report_balance = false;      ///< fill StepReport::balance
     bool report_residual = false;     ///< fill StepReport::residual; costs one look at each body and contact
+    SleepSettings sleep{};            ///< off: every body is worked on in every step
 };
 
 /// @return InvalidArgument or NotFinite with a message that names the setting, where one is out of its range.
@@ -138,18 +140,27 @@ public:
     /// Changes the velocity at once. @param impulse [N s], at the world point `point` [m].
     void apply_impulse(BodyId body, const dvec3& impulse, const dvec3& point);
 
+    /// @return false for a dynamic body that sleeps, true for any other. What sleeps stays where it is, at rest, until something wakes it and the
+    /// island that it is part of: a contact with what moves, a call that changes or pushes it, a body or shape under it that goes or is moved.
+    [[nodiscard]] bool is_awake(BodyId body) const;
+    /// Wakes a body's island; of a static or kinematic body all that sleeps on it. Time to fall asleep begins anew.
+    void wake(BodyId body);
+    /// Puts a body's whole island to sleep without waiting for SleepSettings::time, if all of it is at rest and held as docs/dynamics.md asks, and
+    /// some step has shown so. Misuse where WorldDef::sleep is off. @return whether it sleeps.
+    bool put_to_sleep(BodyId body);
+
     /// Advances by `dt` seconds. dt = 0 changes no bit; NaN, infinite or negative dt is refused. docs/step.md explains each stage.
     StepReport step(double dt);
 
     /// What the next step will run and skip, and who will find the pairs. @param dt its length [s], by which boxes go round the motion
     /// that it predicts; before the first step the method follows from the boxes. Refused like that of step().
     [[nodiscard]] Plan plan(double dt = 0.0) const;
-    /// Hash of every body's pose and velocities, in order of creation.
+    /// Hash of every body's pose and velocities, in order of creation; where WorldDef::sleep is on, also of who sleeps and who has been still how long.
     [[nodiscard]] std::uint64_t state_hash() const;
     [[nodiscard]] Energy energy() const;
     [[nodiscard]] Momentum momentum() const;
 
-    /// The contacts of the last step, in a fixed order.
+    /// The contacts of the last step, in a fixed order; then those that bodies asleep had when they fell asleep.
     [[nodiscard]] std::size_t contact_count() const noexcept;
     [[nodiscard]] ContactView contact(std::size_t index) const;
 

@@ -72,7 +72,7 @@ void World::Impl::quarantine_unusable(double dt, StepReport& report) {
     last_valid.resize(arrays.states.size());
     for (const BodyId id : body_order) {
         const std::uint32_t slot = id.slot;
-        if (arrays.roles[slot] == Role::Absent) continue;
+        if (arrays.roles[slot] == Role::Absent || arrays.roles[slot] == Role::Asleep) continue;
         dynamics::BodyState& state = arrays.states[slot];
         if (dynamics::is_usable(state, dt) && can_be_pushed(slot, dt)) {
             last_valid[slot].id = id;
@@ -99,6 +99,7 @@ StepReport World::step(double dt) {
     Executor& executor = w.executor();
     dynamics::Step step(dt);
     step.run(Stage::Quarantine, [&] { w.quarantine_unusable(dt, step.report); });
+    if (w.sleepers.is_on()) step.run(Stage::Sleep, [&] { w.wake_before_step(dt); });
     const dynamics::StepChoices choices = w.choose();
     const dynamics::Motion motion{w.def.gravity, dt};
     const Balance before = w.def.report_balance ? balance_of(*this) : Balance{};
@@ -112,34 +113,37 @@ StepReport World::step(double dt) {
 
     bool reuses = false;  // contacts of the step before
     if (choices.contacts) {
-        step.run(Stage::Bounds, [&] { dynamics::update_swept_bounds(w.proxies, w.arrays, motion, executor); });
-        step.run(Stage::Pairs, [&] {
-            const ProxyChanges changes{w.proxies.boxes, w.proxies.filters, w.proxies.moved, w.proxies.removed};
-            const std::uint64_t last = w.broadphase.result().number;
-            const PairUpdate& found = w.broadphase.update(changes, executor);
-            if (found.number == last) {  // refused, which was reported: the next step asks again
-                w.candidates.clear();
-                return w.names.now.clear();
-            }
-            dynamics::note_listed(w.proxies);
-            step.report.boxes_given = changes.moved.size();
-            step.report.boxes_removed = changes.removed.size();
-            step.report.pairs_limited = found.status != PairStatus::Complete;
-            dynamics::list_candidates(w.proxies, w.arrays, found.pairs, dt, executor, w.candidates);
-            reuses = w.def.contact_reuse > 0.0 && dynamics::name_candidates(w.proxies, w.def.contact_reuse, w.candidates, w.names);
-            step.report.pairs = w.candidates.size();
-        });
-        step.run(Stage::Collide, [&] {
-            const PlacedShapes placed{w.proxies.shapes, w.proxies.poses};
-            std::vector<Manifold>& found = w.contacts.manifolds;
-            const CollideCounts counts =
-                reuses ? collide(placed, w.candidates, w.previous.manifolds, executor, w.collide_scratch, found)
-                       : collide(placed, w.candidates, executor, w.collide_scratch, found);
-            step.report.undecided = counts.undecided;
-            step.report.reused = counts.reused;
-            dynamics::link_manifolds(w.contacts, [&](std::uint32_t i) { return dynamics::contact_pair(w.proxies, w.candidates[i]); });
-            dynamics::carry_impulses(w.contacts, w.previous, w.impulse_scale(dt));
-        });
+        do {
+            step.run(Stage::Bounds, [&] { dynamics::update_swept_bounds(w.proxies, w.arrays, motion, executor); });
+            step.run(Stage::Pairs, [&] {
+                const ProxyChanges changes{w.proxies.boxes, w.proxies.filters, w.proxies.moved, w.proxies.removed};
+                const std::uint64_t last = w.broadphase.result().number;
+                const PairUpdate& found = w.broadphase.update(changes, executor);
+                if (found.number == last) {  // refused, which was reported: the next step asks again
+                    w.candidates.clear();
+                    return w.names.now.clear();
+                }
+                dynamics::note_listed(w.proxies);
+                step.report.boxes_given = changes.moved.size();
+                step.report.boxes_removed = changes.removed.size();
+                step.report.pairs_limited = found.status != PairStatus::Complete;
+                dynamics::list_candidates(w.proxies, w.arrays, found.pairs, dt, executor, w.candidates);
+                if (w.sleepers.is_on()) dynamics::Sleepers::drop_idle(w.proxies, w.arrays, w.candidates);
+                reuses = w.def.contact_reuse > 0.0 && dynamics::name_candidates(w.proxies, w.def.contact_reuse, w.candidates, w.names);
+                step.report.pairs = w.candidates.size();
+            });
+            step.run(Stage::Collide, [&] {
+                const PlacedShapes placed{w.proxies.shapes, w.proxies.poses};
+                std::vector<Manifold>& found = w.contacts.manifolds;
+                const CollideCounts counts =
+                    reuses ? collide(placed, w.candidates, w.previous.manifolds, executor, w.collide_scratch, found)
+                           : collide(placed, w.candidates, executor, w.collide_scratch, found);
+                step.report.undecided = counts.undecided;
+                step.report.reused = counts.reused;
+                dynamics::link_manifolds(w.contacts, [&](std::uint32_t i) { return dynamics::contact_pair(w.proxies, w.candidates[i]); });
+                dynamics::carry_impulses(w.contacts, w.previous, w.impulse_scale(dt));
+            });
+        } while (w.wake_touched());  // with the contacts of what woke
         if (choices.restitution) {
             step.run(Stage::Restitution, [&] { w.impacts.run(w.contacts, w.proxies, w.arrays, motion); });
             step.report.impacts = w.impacts.count();
@@ -169,6 +173,7 @@ StepReport World::step(double dt) {
     w.forget_pushes();
     step.run(Stage::Quarantine, [&] { w.quarantine_unusable(dt, step.report); });
 
+    if (w.sleepers.is_on()) step.run(Stage::Sleep, [&] { w.fall_asleep(dt, step.report); });
     w.last_substep = dt / w.def.substeps;
     w.looked_for_contacts = choices.contacts;
     step.report.step = ++w.steps;

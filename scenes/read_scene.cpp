@@ -94,6 +94,7 @@ void read_traits(Fields& fields, BodyDef& def) {
     if (const auto given = find("linear_damping")) def.linear_damping = detail::number(*given, 0.0, 1e9);
     if (const auto given = find("angular_damping")) def.angular_damping = detail::number(*given, 0.0, 1e9);
     if (const auto given = find("locked")) def.locked = read_locked(*given);
+    if (const auto given = find("can_sleep")) def.can_sleep = detail::boolean(*given);
 }
 
 FileBody read_body(const Node& node) {
@@ -141,6 +142,7 @@ SceneRun read_root(const Node& root, const std::string& path, const SceneOptions
     if (const auto given = fields.find("dt")) run.dt = detail::positive(*given);
     if (const auto given = fields.find("steps")) run.steps = detail::integer(*given, 0, 1'000'000'000);
     if (const auto given = fields.find("substeps")) def.substeps = detail::integer(*given, 1, 1024);
+    if (const auto given = fields.find("sleep")) def.sleep.enabled |= detail::boolean(*given);
     if (const auto given = fields.find("domain")) run.domain = read_domain(*given);
     def.substeps = options.substeps.value_or(def.substeps);
     const Node bodies = fields.require("bodies");

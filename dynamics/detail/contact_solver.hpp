@@ -15,6 +15,7 @@
 #include <carom/dynamics/detail/contact_set.hpp>
 #include <carom/dynamics/detail/part_surface.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
+#include <carom/dynamics/detail/rolling_rows.hpp>
 #include <carom/dynamics/detail/row_rules.hpp>
 
 #include <cstdint>
@@ -30,6 +31,7 @@ struct SolverSettings {
     double contact_rate = 0.1875;  ///< frequency of soft contacts over the substep rate
     double damping = 1.0;
     double max_push = 0.1;         ///< share of the smallest extent a step
+    bool resists = false;          ///< some shape resists to rolling or spinning
     [[nodiscard]] double substep() const noexcept { return dt / substeps; }
 };
 
@@ -83,6 +85,7 @@ private:
     SoftContact soft_, soft_fixed_;
     SolverBodies rows_;
     RowRules rules_;
+    RollingRows rolling_;
     std::vector<std::uint32_t> slot_of_row_;
     std::vector<std::int32_t> row_of_slot_;
     std::vector<Side> sides_;                  // by slot of shapes

@@ -37,10 +37,11 @@ double least_load(const ContactPair& pair, const BodyArrays& bodies, const dvec3
     return std::max(glm::length(gravity) / inverse, kLeastOfIsland * most);
 }
 
-/// Whether the bodies are free to move and do not bounce: what is locked or flies is the soft solver's.
+/// Whether the bodies are free to move, do not bounce and roll without resistance: all else is the soft solver's.
 bool is_plain(const DirectWorld& world, std::span<const std::uint32_t> bodies, std::span<const std::uint32_t> manifolds) {
     for (const std::uint32_t m : manifolds) {
-        if (world.contacts.pairs[world.contacts.manifolds[m].pair].flies) return false;
+        const ContactPair& pair = world.contacts.pairs[world.contacts.manifolds[m].pair];
+        if (pair.flies || resists(world.proxies.by_slot[pair.proxy_a].resistance) || resists(world.proxies.by_slot[pair.proxy_b].resistance)) return false;
     }
     return std::ranges::all_of(bodies, [&](std::uint32_t slot) { return world.bodies.masses[slot].locked == LockedAxes::None; });
 }

@@ -27,9 +27,13 @@ void IslandLinks::link(const ContactSet& contacts, std::span<const Role> roles) 
     std::iota(parent_.begin(), parent_.end(), 0u);
     for (const ContactPair& pair : contacts.pairs) {
         if (roles[pair.body_a.slot] != Role::Dynamic || roles[pair.body_b.slot] != Role::Dynamic) continue;
-        const std::uint32_t a = root(pair.body_a.slot), b = root(pair.body_b.slot);
-        parent_[std::max(a, b)] = std::min(a, b);
+        join(pair.body_a.slot, pair.body_b.slot);
     }
+}
+
+void IslandLinks::join(std::uint32_t a, std::uint32_t b) noexcept {
+    a = root(a), b = root(b);
+    parent_[std::max(a, b)] = std::min(a, b);
 }
 
 void IslandLinks::gather(const ContactSet& contacts, std::span<const Role> roles, std::span<const unsigned char> wanted) {

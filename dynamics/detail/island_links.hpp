@@ -27,6 +27,8 @@ class IslandLinks {
 public:
     /// Cost: near O(pairs + slots).
     void link(const ContactSet& contacts, std::span<const Role> roles);
+    /// Joins two dynamic bodies by something that is no contact.
+    void join(std::uint32_t a, std::uint32_t b) noexcept;
     /// @return the lowest slot of the island that the dynamic body in `slot` belongs to.
     [[nodiscard]] std::uint32_t root(std::uint32_t slot) noexcept;
 

@@ -11,6 +11,7 @@
 #include <carom/dynamics/detail/direct_islands.hpp>
 #include <carom/dynamics/detail/part_surface.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
+#include <carom/dynamics/detail/sleepers.hpp>
 #include <carom/dynamics/world.hpp>
 #include <carom/narrowphase/collide.hpp>
 
@@ -47,6 +48,7 @@ struct Census {
     int bodies = 0;
     int dynamic_bodies = 0;
     int bouncing_shapes = 0;
+    int resisting_shapes = 0;  ///< to rolling or spinning
 
     /// A body with shapes comes (sign +1) or goes (-1).
     void count_body(BodyType type, int sign) noexcept {
@@ -54,8 +56,9 @@ struct Census {
         if (type == BodyType::Dynamic) dynamic_bodies += sign;
     }
     /// One of its shapes does.
-    void count_shape(const Shape& shape, float restitution, int sign) noexcept {
-        if (bounces(shape, restitution)) bouncing_shapes += sign;
+    void count_shape(const Shape& shape, const ShapeDef& def, int sign) noexcept {
+        if (bounces(shape, def.restitution)) bouncing_shapes += sign;
+        if (resists({def.rolling_resistance, def.torsion})) resisting_shapes += sign;
     }
 };
 
@@ -79,6 +82,7 @@ inline constexpr double kMostDamping = 1e9;  ///< [1/s]
 struct StepChoices {
     bool contacts = true;     ///< two shapes exist that could meet: Bounds to Relax, and Store
     bool restitution = true;  ///< some shape bounces
+    bool all_asleep = false;  ///< every dynamic body sleeps, and no kinematic one moves
 };
 
 }  // namespace dynamics
@@ -89,7 +93,7 @@ struct World::Impl {
     [[nodiscard]] Executor& executor() noexcept { return def.executor != nullptr ? *def.executor : serial; }
 
     [[nodiscard]] dynamics::SolverSettings solver_settings(double dt) const noexcept {
-        return {def.gravity, dt, def.substeps, contact_rate(dt), def.contact_damping, def.max_push};
+        return {def.gravity, dt, def.substeps, contact_rate(dt), def.contact_damping, def.max_push, census.resisting_shapes > 0};
     }
     [[nodiscard]] dynamics::DirectStep direct_step(double dt) const noexcept {
         return {def.gravity, dt, soft_substep * def.substeps, def.substeps, contact_rate(dt), def.max_push, def.direct_sag};
@@ -128,6 +132,18 @@ struct World::Impl {
     void put_in(BodyId body);
     void take_out(BodyId body);
     void count_body(BodyId body, int sign);
+    /// Wakes a body's island; of a body without mass what sleeps on it. Nothing where sleep is off.
+    void wake(BodyId body);
+    /// A body without mass came, or was put elsewhere: what it is near to wakes in the next step.
+    void note_placed(BodyId body);
+    /// Whether anything dynamic is awake, or anything kinematic moves.
+    [[nodiscard]] bool is_any_awake() const;
+    /// What wakes by others than contacts, before a step.
+    void wake_before_step(double dt);
+    /// What wakes by the contacts found in this step. @return whether anything does: the contacts must be found again.
+    [[nodiscard]] bool wake_touched();
+    void fall_asleep(double dt, StepReport& report);
+    [[nodiscard]] dynamics::SleepScene sleep_scene() { return {contacts, arrays, def.gravity, {}}; }
     /// What the scene as it stands needs; all of it in PlanMode::Everything.
     [[nodiscard]] dynamics::StepChoices choose() const;
     /// The broadphase's method and why; before the first step, what that will choose.
@@ -156,6 +172,7 @@ struct World::Impl {
     dynamics::DirectIslands direct;
     dynamics::ResidualMeter residual;  // empty unless WorldDef::report_residual
     dynamics::ContactSolver solver;
+    dynamics::Sleepers sleepers;
     std::vector<dynamics::ValidPose> last_valid;  // by slot
     double soft_substep = 0.0;  // [s]; the contacts' frequency is contact_rate over this
     double last_substep = 0.0;  // [s]; impulses are carried in proportion

@@ -248,6 +248,27 @@ TEST_F(ReadScene, ReadsWhatBodiesAskForBeyondGravity) {
     refuse(R"("type": "kinematic", "gravity_scale": 0)", ErrorCode::InvalidArgument, "gravity_scale");
 }
 
+TEST_F(ReadScene, ReadsSleepAndResistance) {
+    const std::string shape = R"("shapes": [{"type": "sphere", "radius": 1, "rolling_resistance": 0.25, "torsion": 0.5, "rolling_rule": "average"}])";
+    const Result<SceneRun> run = read_body(R"("can_sleep": false, )" + shape);
+    ASSERT_TRUE(run.has_value()) << run.error().where << ": " << run.error().message;
+    EXPECT_FALSE(run->world.settings().sleep.enabled);
+    const ShapeDef& def = run->world.shape_def(run->world.shapes(run->world.bodies()[0])[0]);
+    EXPECT_EQ(def.rolling_resistance, 0.25f);
+    EXPECT_EQ(def.torsion, 0.5f);
+    EXPECT_EQ(def.rolling_rule, CombineRule::Average);
+    EXPECT_TRUE(read_scene(kExamples + "crates.json", {.world = {.sleep = {.enabled = true}}})->world.settings().sleep.enabled);
+
+    EXPECT_TRUE(read(R"({"sleep": true, "bodies": []})")->world.settings().sleep.enabled);
+    expect_error(read(R"({"sleep": "deep", "bodies": []})"), ErrorCode::WrongType, ":1: sleep");
+    expect_error(read_body(R"("can_sleep": 1, )" + shape), ErrorCode::WrongType, ":2: bodies[0].can_sleep");
+    expect_error(read_body(R"("type": "static", "can_sleep": false, )" + shape), ErrorCode::InvalidArgument, ":2: bodies[0].can_sleep");
+    const std::string sphere = R"("type": "sphere", "radius": 1, )", at = ":3: bodies[0].shapes[0]";
+    expect_error(read_shape(sphere + R"("rolling_resistance": -0.1)"), ErrorCode::InvalidArgument, at + ".rolling_resistance");
+    expect_error(read_shape(sphere + R"("torsion": "much")"), ErrorCode::WrongType, at + ".torsion");
+    expect_error(read_shape(sphere + R"("rolling_rule": "sum")"), ErrorCode::UnknownName, at + ".rolling_rule");
+}
+
 TEST_F(ReadScene, NamesKeysOfHullsAndMeshes) {
     const std::string at = ":3: bodies[0].shapes[0]";
     expect_error(read_shape(R"("type": "convex_hull", "points": [])"), ErrorCode::Empty, at + ".points");
