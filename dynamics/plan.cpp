@@ -34,6 +34,7 @@ std::string reason_for_direct(Stage stage, const WorldDef& def) {
 std::string reason_for(Stage stage, const dynamics::StepChoices& choices, const WorldDef& def, bool everything) {
     if (stage == Stage::Restitution && !choices.restitution) return "skipped: no shape bounces (all restitution is 0)";
     if (stage == Stage::Relax && !def.relax) return "skipped: WorldDef::relax is off";
+    if (stage == Stage::Joints) return choices.joints ? "runs: there are joints" : "skipped: there are no joints";
     if (!choices.contacts && stage != Stage::Positions && stage != Stage::Quarantine) {
         return "skipped: no two shapes could meet (one body with shapes, or none that moves)";
     }
@@ -54,6 +55,7 @@ bool runs(Stage stage, const dynamics::StepChoices& choices, const WorldDef& def
         case Stage::Direct: return choices.contacts && can_solve_directly(def);
         case Stage::Positions:
         case Stage::Quarantine: return true;
+        case Stage::Joints: return choices.joints;
         case Stage::Restitution: return choices.contacts && choices.restitution;
         case Stage::Relax: return choices.contacts && def.relax;
         default: return choices.contacts;
@@ -64,7 +66,7 @@ bool runs(Stage stage, const dynamics::StepChoices& choices, const WorldDef& def
 
 dynamics::StepChoices World::Impl::choose() const {
     if (def.plan == PlanMode::Everything) return {};
-    return {census.bodies >= 2 && census.dynamic_bodies > 0, census.bouncing_shapes > 0};
+    return {census.bodies >= 2 && census.dynamic_bodies > 0, census.bouncing_shapes > 0, !joints.empty()};
 }
 
 BroadphasePlan World::Impl::plan_broadphase(double dt) const {

@@ -12,6 +12,7 @@ enum class Stage : unsigned char {
     Restitution,
     Islands,
     Direct,
+    Joints,
     Prepare,
     Velocities,
     WarmStart,
@@ -21,7 +22,7 @@ enum class Stage : unsigned char {
     Store,
     Quarantine,
 };
-inline constexpr int kStageCount = 14;
+inline constexpr int kStageCount = 15;
 
 /// @return the name as written above.
 [[nodiscard]] const char* to_string(Stage stage) noexcept;

@@ -35,13 +35,13 @@ Balance operator-(const Balance& after, const Balance& before) {
 
 }  // namespace
 
-// Moves every body that no contact holds, and the kinematic ones, over the whole step at once.
+// Moves every body that no contact and no joint holds, and the kinematic ones, over the whole step at once.
 void World::Impl::integrate_free_bodies(bool looked, double dt) {
     executor().parallel_for(arrays.roles.size(), kBodyGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t slot = begin; slot < end; ++slot) {
             const Role role = arrays.roles[slot];
             const auto number = static_cast<std::uint32_t>(slot);
-            const bool held = looked && (solver.holds(number) || direct.holds(number));
+            const bool held = joint_solver.holds(number) || (looked && (solver.holds(number) || direct.holds(number)));
             if (role != Role::Kinematic && (role != Role::Dynamic || held)) continue;
             dynamics::integrate_free(arrays.states[slot], arrays.masses[slot], free_motion(slot), dt);
         }
@@ -51,6 +51,11 @@ void World::Impl::integrate_free_bodies(bool looked, double dt) {
 void World::Impl::note_substep(double dt) noexcept {
     constexpr double kStiffening = 1.0 / 80.0;  // of the time that passes: over some ten periods of the contacts
     soft_substep = std::max(dt / def.substeps, soft_substep - kStiffening * dt);
+}
+
+// Contacts between bodies whose joint leaves them out.
+void World::Impl::drop_parted() {
+    std::erase_if(candidates, [&](const NumberedPair& pair) { return joints.parts(proxies.bodies[pair.a], proxies.bodies[pair.b]); });
 }
 
 void World::Impl::forget_pushes() {
@@ -109,6 +114,12 @@ StepReport World::step(double dt) {
         w.direct.clear();
     }
 
+    if (choices.joints) {
+        step.run(Stage::Joints, [&] { w.joint_solver.gather(w.joints, w.arrays, w.def.direct_budget); });
+    } else {
+        w.joint_solver.clear();
+    }
+
     bool reuses = false;  // contacts of the step before
     if (choices.contacts) {
         step.run(Stage::Bounds, [&] { dynamics::update_swept_bounds(w.proxies, w.arrays, motion, executor); });
@@ -125,6 +136,7 @@ StepReport World::step(double dt) {
             step.report.boxes_removed = changes.removed.size();
             step.report.pairs_limited = found.status != PairStatus::Complete;
             dynamics::list_candidates(w.proxies, w.arrays, found.pairs, dt, executor, w.candidates);
+            if (w.joints.parts_any()) w.drop_parted();
             reuses = w.def.contact_reuse > 0.0 && dynamics::name_candidates(w.proxies, w.def.contact_reuse, w.candidates, w.names);
             step.report.pairs = w.candidates.size();
         });
@@ -140,27 +152,43 @@ StepReport World::step(double dt) {
             dynamics::carry_impulses(w.contacts, w.previous, w.impulse_scale(dt));
         });
         if (choices.restitution) {
-            step.run(Stage::Restitution, [&] { w.impacts.run(w.contacts, w.proxies, w.arrays, motion); });
+            step.run(Stage::Restitution, [&] { w.impacts.run(w.contacts, w.proxies, w.arrays, motion, w.joint_solver.jointed()); });
             step.report.impacts = w.impacts.count();
             step.report.impacts_left = w.impacts.left();
         }
         const dynamics::DirectStep direct_step = w.direct_step(dt);
-        const dynamics::DirectWorld islands{w.contacts, w.proxies, w.arrays};
+        const dynamics::DirectWorld islands{w.contacts, w.proxies, w.arrays, w.joint_solver.jointed()};
         bool stiff = false;
         step.run(Stage::Islands, [&] { stiff = w.direct.choose(islands, direct_step, {w.def.contact_method, w.def.direct_budget}); });
         if (stiff) step.run(Stage::Direct, [&] { w.direct.solve(islands, direct_step, executor); });
         step.report.direct = w.direct.counts();
+    }
+    if (choices.joints) {
+        step.run(Stage::Joints, [&] {
+            w.joint_solver.begin(w.joints, w.arrays, {w.contacts, w.direct.held()}, w.joint_step(dt));
+            w.joint_solver.run_alone(w.arrays, executor);
+        });
+    }
+    if (choices.contacts) {
+        const bool joined = !w.joint_solver.shared().empty();  // to bodies in contact
+        w.solver.share(w.joint_solver.shared());
         step.run(Stage::Prepare, [&] { w.solver.prepare(w.contacts, w.direct.held(), w.proxies, w.arrays, w.solver_settings(dt), executor); });
         for (int k = 0; k < w.def.substeps; ++k) {
             const auto from = k == 0 ? dynamics::WarmStart::First : dynamics::WarmStart::Again;
             step.run(Stage::Velocities, [&] { w.solver.integrate_velocities(from, executor); });
             if (k == 0) step.run(Stage::WarmStart, [&] { w.solver.warm_start(executor); });
+            if (joined) step.run(Stage::Joints, [&] { w.joint_solver.solve(w.solver, k, executor); });
             step.run(Stage::Solve, [&] { w.solver.solve(true, executor); });
             step.run(Stage::Positions, [&] { w.solver.integrate_positions(executor); });
+            if (joined && w.def.relax) step.run(Stage::Joints, [&] { w.joint_solver.relax(w.solver, k, executor); });
             if (w.def.relax) step.run(Stage::Relax, [&] { w.solver.solve(false, executor); });
         }
         step.run(Stage::Store, [&] { w.solver.store(w.arrays, w.contacts, executor); });
         count_contacts(step.report, w.contacts, w.solver);
+    }
+    if (choices.joints) {
+        step.run(Stage::Joints, [&] { w.joint_solver.finish(w.joints); });
+        step.report.joints = w.joint_solver.counts();
     }
     step.run(Stage::Positions, [&] { w.integrate_free_bodies(choices.contacts, dt); });
     if (choices.contacts && choices.restitution) step.run(Stage::Restitution, [&] { w.impacts.place(w.arrays); });

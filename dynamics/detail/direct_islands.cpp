@@ -37,12 +37,14 @@ double least_load(const ContactPair& pair, const BodyArrays& bodies, const dvec3
     return std::max(glm::length(gravity) / inverse, kLeastOfIsland * most);
 }
 
-/// Whether the bodies are free to move and do not bounce: what is locked or flies is the soft solver's.
+/// Whether the bodies are free to move and do not bounce: what is locked, joined or flies is the soft solver's.
 bool is_plain(const DirectWorld& world, std::span<const std::uint32_t> bodies, std::span<const std::uint32_t> manifolds) {
     for (const std::uint32_t m : manifolds) {
         if (world.contacts.pairs[world.contacts.manifolds[m].pair].flies) return false;
     }
-    return std::ranges::all_of(bodies, [&](std::uint32_t slot) { return world.bodies.masses[slot].locked == LockedAxes::None; });
+    return std::ranges::all_of(bodies, [&](std::uint32_t slot) {
+        return world.bodies.masses[slot].locked == LockedAxes::None && (world.jointed.empty() || world.jointed[slot] == 0);
+    });
 }
 
 SagLaw law_of(const DirectStep& step) { return {step.gravity, step.dt, step.substep(), step.contact_rate, kSagShare}; }

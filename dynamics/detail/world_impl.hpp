@@ -1,4 +1,4 @@
-// What a World holds. Public calls live in world.cpp (bodies, shapes), world_state.cpp (reading and setting), world_query.cpp
+// What a World holds. Public calls live in world.cpp (bodies, shapes), world_joint.cpp, world_state.cpp (reading and setting), world_query.cpp
 // (rays, energy, hash, contacts), plan.cpp and world_step.cpp (the step).
 #pragma once
 
@@ -8,6 +8,8 @@
 #include <carom/dynamics/detail/impacts.hpp>
 #include <carom/dynamics/detail/integrator.hpp>
 #include <carom/dynamics/detail/direct_islands.hpp>
+#include <carom/dynamics/detail/joint_set.hpp>
+#include <carom/dynamics/detail/joint_solver.hpp>
 #include <carom/dynamics/detail/part_surface.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
 #include <carom/dynamics/world.hpp>
@@ -78,6 +80,7 @@ inline constexpr double kMostDamping = 1e9;  ///< [1/s]
 struct StepChoices {
     bool contacts = true;     ///< two shapes exist that could meet: Bounds to Relax, and Store
     bool restitution = true;  ///< some shape bounces
+    bool joints = true;       ///< there are joints
 };
 
 }  // namespace dynamics
@@ -97,10 +100,17 @@ struct World::Impl {
     /// spring that is let loose at a higher stiffness than it was compressed at throws what lies on it.
     [[nodiscard]] double contact_rate(double dt) const noexcept { return def.contact_rate * std::min(1.0, dt / def.substeps / soft_substep); }
     void note_substep(double dt) noexcept;
+    [[nodiscard]] dynamics::JointStep joint_step(double dt) const noexcept {
+        return {def.gravity, dt, def.substeps, def.spin_tolerance, def.direct_budget};
+    }
     /// How much of the impulses of the step before this one starts from.
     [[nodiscard]] float impulse_scale(double dt) const noexcept {
         return last_substep > 0.0 ? static_cast<float>(dt / def.substeps / last_substep) : 1.0f;
     }
+    /// Where a joint's anchor is: on a body, or in the world for a null id.
+    [[nodiscard]] dvec3 anchor_point(BodyId body, const dvec3& anchor) const;
+    /// Whether the bodies of a joint are alive, unlike, and one of them moves. Otherwise reports misuse.
+    [[nodiscard]] bool can_join(const JointDef& joint) const;
     /// Where the body's origin is.
     [[nodiscard]] Pose body_pose(BodyId body) const;
     /// Puts the body's origin at `pose`.
@@ -114,6 +124,7 @@ struct World::Impl {
     /// What moves the body at `slot` in a step while nothing touches it.
     [[nodiscard]] dynamics::FreeMotion free_motion(std::size_t slot) const noexcept;
     void integrate_free_bodies(bool looked, double dt);
+    void drop_parted();
     void forget_pushes();
     /// The mass of a body's shapes and of one more.
     [[nodiscard]] MassProperties mass_with(const dynamics::BodyRecord& record, const MassProperties& added) const;
@@ -154,6 +165,8 @@ struct World::Impl {
     dynamics::Impacts impacts;
     dynamics::DirectIslands direct;
     dynamics::ContactSolver solver;
+    dynamics::JointSet joints;
+    dynamics::JointSolver joint_solver;
     std::vector<dynamics::ValidPose> last_valid;  // by slot
     double soft_substep = 0.0;  // [s]; the contacts' frequency is contact_rate over this
     double last_substep = 0.0;  // [s]; impulses are carried in proportion
