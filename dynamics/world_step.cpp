@@ -177,11 +177,12 @@ StepReport World::step(double dt) {
             const auto from = k == 0 ? dynamics::WarmStart::First : dynamics::WarmStart::Again;
             step.run(Stage::Velocities, [&] { w.solver.integrate_velocities(from, executor); });
             if (k == 0) step.run(Stage::WarmStart, [&] { w.solver.warm_start(executor); });
-            if (joined) step.run(Stage::Joints, [&] { w.joint_solver.solve(w.solver, k, executor); });
+            if (k == 0 && joined) step.run(Stage::Joints, [&] { w.joint_solver.warm_start(w.solver, executor); });
             step.run(Stage::Solve, [&] { w.solver.solve(true, executor); });
+            if (joined) step.run(Stage::Joints, [&] { w.joint_solver.solve(w.solver, k, executor); });
             step.run(Stage::Positions, [&] { w.solver.integrate_positions(executor); });
-            if (joined && w.def.relax) step.run(Stage::Joints, [&] { w.joint_solver.relax(w.solver, k, executor); });
             if (w.def.relax) step.run(Stage::Relax, [&] { w.solver.solve(false, executor); });
+            if (joined && w.def.relax) step.run(Stage::Joints, [&] { w.joint_solver.relax(w.solver, k, executor); });
         }
         step.run(Stage::Store, [&] { w.solver.store(w.arrays, w.contacts, executor); });
         count_contacts(step.report, w.contacts, w.solver);

@@ -209,6 +209,13 @@ void JointIsland::look(double h, double time, double share) {
     factored_ = factor_.factorise();
 }
 
+void JointIsland::warm_start(double h) {
+    time_ = 0.0;
+    look_at_bodies();
+    place_rows();
+    for (JointRow& row : rows) give(row, h * row.mean_force);
+}
+
 void JointIsland::assemble() {
     factor_.clear();
     for (std::size_t i = 0; i < bodies.size(); ++i) {

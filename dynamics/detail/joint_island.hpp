@@ -57,6 +57,7 @@ struct JointRow {
     dvec3 impulse{0.0};            ///< λ of the solve, on B [N s]
     dvec3 sum{0.0};                ///< of all solves of the step
     dvec3 force{0.0};              ///< on B, of the last solve for positions [N]
+    dvec3 mean_force{0.0};         ///< on B, of the step before [N]
 };
 
 enum class JointGoal : unsigned char {
@@ -79,6 +80,8 @@ public:
     /// @param h [s], the drift that follows. @param time [s] since the start of the step.
     /// @param share  of the springs' impulse over h that each solve gives: 0, 1/2 or 1.
     void look(double h, double time, double share);
+    /// Gives the impulses of the step before for a time of h: what contacts push against.
+    void warm_start(double h);
     /// Changes the velocities, by impulses that are equal and opposite.
     void solve(JointGoal goal);
     void drift();

@@ -24,6 +24,8 @@ Anchors anchors_of(const JointDef& def) {
     return std::visit([](const auto& joint) { return Anchors{joint.anchor_a, joint.anchor_b}; }, def);
 }
 
+dvec3 mean_force(const JointRecord& record) { return record.dt > 0.0 ? record.impulse / record.dt : dvec3{0.0}; }
+
 }  // namespace
 
 std::uint32_t JointSolver::root(std::uint32_t slot) noexcept {
@@ -97,7 +99,7 @@ void JointSolver::rebuild(const JointSet& joints, const BodyArrays& bodies, std:
         const std::uint32_t member = is_dynamic(joined.a) ? joined.a.slot : joined.b.slot;
         JointRow row;
         row.id = id;
-        row.force = record.dt > 0.0 ? record.impulse / record.dt : dvec3{0.0};
+        row.force = mean_force(record);
         if (const SpringDef* spring = std::get_if<SpringDef>(&record.def)) {
             row.rest_length = spring->rest_length;
             row.stiffness = spring->stiffness;
@@ -136,8 +138,10 @@ void JointSolver::fill(JointIsland& island, const JointSet& joints, const BodyAr
         body.pushed_velocity = body.pushed_spin = dvec3{0.0};
     }
     for (JointRow& row : island.rows) {
-        const JointDef& def = joints.find(row.id)->def;
+        const JointRecord& record = *joints.find(row.id);
+        const JointDef& def = record.def;
         const JoinedBodies joined = bodies_of(def);
+        row.mean_force = mean_force(record);
         const Anchors anchors = anchors_of(def);
         row.a = end_of(joined.a, anchors.a, bodies);
         row.b = end_of(joined.b, anchors.b, bodies);
@@ -239,6 +243,17 @@ void JointSolver::write_rows(const JointIsland& island, ContactSolver& contacts)
         set(row.velocity, body.state.velocity);
         set(row.spin, body.state.spin);
     }
+}
+
+void JointSolver::warm_start(ContactSolver& contacts, Executor& executor) {
+    executor.parallel_for(islands_.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) {
+            if (islands_[i].alone) continue;
+            read_rows(islands_[i], contacts, false);
+            islands_[i].warm_start(step_.substep());
+            write_rows(islands_[i], contacts);
+        }
+    });
 }
 
 void JointSolver::solve(ContactSolver& contacts, int substep, Executor& executor) {

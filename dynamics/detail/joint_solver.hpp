@@ -3,8 +3,9 @@
 //   solver.gather(joints, bodies, budget);
 //   solver.begin(joints, bodies, {contacts, direct.held()}, step);
 //   solver.run_alone(bodies, executor);            // islands that no contact holds: over the whole step, in double
-//   ... solver.solve(contact_solver, k, executor)  // the others live in the contact solver's rows: before each pass of its Solve,
-//   ... solver.relax(contact_solver, k, executor)  // and of its Relax
+//   ... solver.warm_start(contact_solver, executor)   // the others live in the contact solver's rows: with its WarmStart,
+//   ... solver.solve(contact_solver, k, executor)     // after each pass of its Solve,
+//   ... solver.relax(contact_solver, k, executor)     // and of its Relax
 //   solver.finish(joints);
 #pragma once
 
@@ -49,6 +50,7 @@ public:
 
     /// Slots of the bodies that contact solver and joints share.
     [[nodiscard]] std::span<const std::uint32_t> shared() const noexcept { return shared_; }
+    void warm_start(ContactSolver& contacts, Executor& executor);
     /// @param substep  0 .. substeps - 1
     void solve(ContactSolver& contacts, int substep, Executor& executor);
     void relax(ContactSolver& contacts, int substep, Executor& executor);
