@@ -128,7 +128,8 @@ void JointIsland::place_rows() {
 }
 
 // A load f at an arm r turns its body back by r f for each radian, and explicit steps of h are stable while h² r f is below 4 times the moment. Where it
-// comes near, the torque is taken at the end of the drift: what it is now less h times that stiffness and the spin, as of a stiff spring.
+// comes near, the torque is taken at the end of the drift: what it is now less h times that stiffness and the spin, as of a stiff spring
+// (Newmark 1959; the geometric stiffness of Tournier et al. 2015).
 void JointIsland::stiffen() noexcept {
     for (const JointRow& row : rows) {
         const auto load = [&](std::int32_t end, const dvec3& arm, const dvec3& force) {

@@ -3,7 +3,6 @@
 #include <carom/dynamics/detail/integrator.hpp>
 
 #include <algorithm>
-#include <numeric>
 #include <utility>
 
 namespace carom::dynamics {
@@ -27,14 +26,6 @@ Anchors anchors_of(const JointDef& def) {
 dvec3 mean_force(const JointRecord& record) { return record.dt > 0.0 ? record.impulse / record.dt : dvec3{0.0}; }
 
 }  // namespace
-
-std::uint32_t JointSolver::root(std::uint32_t slot) noexcept {
-    while (parent_[slot] != slot) {
-        parent_[slot] = parent_[parent_[slot]];
-        slot = parent_[slot];
-    }
-    return slot;
-}
 
 bool JointSolver::is_active(const JointDef& def, const BodyArrays& bodies) const noexcept {
     const JoinedBodies joined = bodies_of(def);
@@ -65,8 +56,7 @@ void JointSolver::rebuild(const JointSet& joints, const BodyArrays& bodies, std:
     islands_.clear();
     jointed_.assign(slots, 0);
     local_.assign(slots, kNowhere);
-    parent_.resize(slots);
-    std::iota(parent_.begin(), parent_.end(), 0u);
+    sets_.reset(slots);
     const auto is_dynamic = [&](BodyId body) { return body && bodies.roles[body.slot] == Role::Dynamic; };
     const auto each_active = [&](const auto& act) {
         for (std::size_t i = 0; i < active_.size(); ++i) {
@@ -78,14 +68,12 @@ void JointSolver::rebuild(const JointSet& joints, const BodyArrays& bodies, std:
         for (const BodyId body : {joined.a, joined.b}) {
             if (is_dynamic(body)) jointed_[body.slot] = 1;
         }
-        if (!is_dynamic(joined.a) || !is_dynamic(joined.b)) return;
-        const std::uint32_t a = root(joined.a.slot), b = root(joined.b.slot);
-        parent_[std::max(a, b)] = std::min(a, b);
+        if (is_dynamic(joined.a) && is_dynamic(joined.b)) sets_.unite(joined.a.slot, joined.b.slot);
     });
     std::vector<std::int32_t> island_of(slots, kNowhere);  // by root
     for (std::uint32_t slot = 0; slot < slots; ++slot) {
         if (jointed_[slot] == 0) continue;
-        std::int32_t& island = island_of[root(slot)];
+        std::int32_t& island = island_of[sets_.root(slot)];
         if (island == kNowhere) {
             island = static_cast<std::int32_t>(islands_.size());
             islands_.emplace_back();
@@ -109,7 +97,7 @@ void JointSolver::rebuild(const JointSet& joints, const BodyArrays& bodies, std:
         }
         row.a.body = is_dynamic(joined.a) ? local_[joined.a.slot] : JointEnd::kFixed;
         row.b.body = is_dynamic(joined.b) ? local_[joined.b.slot] : JointEnd::kFixed;
-        islands_[static_cast<std::size_t>(island_of[root(member)])].rows.push_back(row);
+        islands_[static_cast<std::size_t>(island_of[sets_.root(member)])].rows.push_back(row);
     });
     for (JointIsland& island : islands_) island.analyse(budget);
 }
@@ -245,38 +233,38 @@ void JointSolver::write_rows(const JointIsland& island, ContactSolver& contacts)
     }
 }
 
-void JointSolver::warm_start(ContactSolver& contacts, Executor& executor) {
+template <class Act>
+void JointSolver::for_each_shared(Executor& executor, const Act& act) {
     executor.parallel_for(islands_.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
-            if (islands_[i].alone) continue;
-            read_rows(islands_[i], contacts, false);
-            islands_[i].warm_start(step_.substep());
-            write_rows(islands_[i], contacts);
+            if (!islands_[i].alone) act(islands_[i]);
         }
+    });
+}
+
+void JointSolver::warm_start(ContactSolver& contacts, Executor& executor) {
+    for_each_shared(executor, [&](JointIsland& island) {
+        read_rows(island, contacts, false);
+        island.warm_start(step_.substep());
+        write_rows(island, contacts);
     });
 }
 
 void JointSolver::solve(ContactSolver& contacts, int substep, Executor& executor) {
-    executor.parallel_for(islands_.size(), 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            if (islands_[i].alone) continue;
-            read_rows(islands_[i], contacts, true);
-            islands_[i].look(step_.substep(), substep * step_.substep(), 1.0);
-            islands_[i].solve(JointGoal::Positions);
-            write_rows(islands_[i], contacts);
-        }
+    for_each_shared(executor, [&](JointIsland& island) {
+        read_rows(island, contacts, true);
+        island.look(step_.substep(), substep * step_.substep(), 1.0);
+        island.solve(JointGoal::Positions);
+        write_rows(island, contacts);
     });
 }
 
 void JointSolver::relax(ContactSolver& contacts, int substep, Executor& executor) {
-    executor.parallel_for(islands_.size(), 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; ++i) {
-            if (islands_[i].alone) continue;
-            read_rows(islands_[i], contacts, false);
-            islands_[i].look(step_.substep(), (substep + 1) * step_.substep(), 0.0);
-            islands_[i].solve(JointGoal::Velocities);
-            write_rows(islands_[i], contacts);
-        }
+    for_each_shared(executor, [&](JointIsland& island) {
+        read_rows(island, contacts, false);
+        island.look(step_.substep(), (substep + 1) * step_.substep(), 0.0);
+        island.solve(JointGoal::Velocities);
+        write_rows(island, contacts);
     });
 }
 

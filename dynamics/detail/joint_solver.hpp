@@ -13,6 +13,7 @@
 #include <carom/dynamics/detail/contact_solver.hpp>
 #include <carom/dynamics/detail/joint_island.hpp>
 #include <carom/dynamics/detail/joint_set.hpp>
+#include <carom/dynamics/detail/union_find.hpp>
 #include <carom/dynamics/step_report.hpp>
 
 #include <cstdint>
@@ -68,7 +69,8 @@ public:
 
 private:
     void rebuild(const JointSet& joints, const BodyArrays& bodies, std::size_t budget);
-    std::uint32_t root(std::uint32_t slot) noexcept;
+    template <class Act>
+    void for_each_shared(Executor& executor, const Act& act);
     [[nodiscard]] bool is_active(const JointDef& def, const BodyArrays& bodies) const noexcept;
     [[nodiscard]] JointEnd end_of(BodyId body, const dvec3& anchor, const BodyArrays& bodies) const;
     void fill(JointIsland& island, const JointSet& joints, const BodyArrays& bodies) const;
@@ -82,7 +84,7 @@ private:
     std::vector<unsigned char> active_;   // by the joints' order
     std::vector<JointIsland> islands_;
     std::vector<unsigned char> jointed_, alone_;  // by slot
-    std::vector<std::uint32_t> parent_;           // by slot
+    UnionFind sets_;                              // of slots
     std::vector<std::int32_t> local_;             // by slot: place in its island
     std::vector<std::uint32_t> shared_;
     const BodyArrays* bodies_ = nullptr;          // of the step
