@@ -45,6 +45,8 @@ struct LastStep {
     std::span<const NumberedPair> candidates;
     const dynamics::ContactSet& contacts;
     const dynamics::ContactSet& asleep;  ///< of what sleeps
+    const dynamics::JointSet& joints;
+    bool joints_changed = false;  ///< since the step
     double dt = 0.0;  ///< [s]
     bool looked_for_contacts = false;
 };
@@ -58,13 +60,13 @@ public:
         pair.shape_a = a;
         pair.shape_b = b;
         pair.filter = filter_of(a, b);
-        const bool passes = pair.filter->any_moves && pair.filter->layers_agree;
+        const bool agrees = pair.filter->any_moves && pair.filter->layers_agree, passes = agrees && !pair.filter->joined;
         if (passes && (is_idle_asleep(a, b) || is_idle_asleep(b, a))) {
             pair.rung = Rung::Asleep;
             pair.found = summary_of(contacts_of(w_.asleep, listed_order(w_.proxies, a.slot, b.slot)));
             return pair;
         }
-        pair.rung = !passes ? Rung::Filter : !w_.looked_for_contacts ? Rung::NoStep : Rung::OutOfStep;
+        pair.rung = !agrees ? Rung::Filter : !passes ? Rung::Joined : !w_.looked_for_contacts ? Rung::NoStep : Rung::OutOfStep;
         if (!w_.looked_for_contacts || !known(a) || !known(b)) return pair;
 
         const ProxySet& proxies = w_.proxies;
@@ -79,7 +81,7 @@ public:
             pair.broadphase = broadphase_of(listed, *pair.bounds, candidate != nullptr);
             check_listing(*pair.bounds, *pair.broadphase, candidate != nullptr, listed);
             if (candidate != nullptr) listed = *candidate;
-        } else if (candidate != nullptr) {
+        } else if (candidate != nullptr && (!agrees || !w_.joints_changed)) {
             disagree("the filter parts the two, and yet the step listed them", listed);
         }
         add_contact(listed, pair);
@@ -105,6 +107,7 @@ private:
         filter.layers_agree = (filter.layer_a & filter.mask_b) != 0 && (filter.layer_b & filter.mask_a) != 0;
         filter.any_moves =
             w_.bodies.find(of_a.body)->type == BodyType::Dynamic || w_.bodies.find(of_b.body)->type == BodyType::Dynamic;
+        filter.joined = w_.joints.parts(of_a.body.slot, of_b.body.slot);
         return filter;
     }
 
@@ -157,7 +160,7 @@ private:
         const bool moving_plane = bounds.axis < 0 && w_.arrays.roles[w_.proxies.bodies[pair.b]] != Role::Static;
         const PairUpdate& found = w_.broadphase.result();
         const bool limited = bounds.axis >= 0 && found.status == PairStatus::LimitReached && pair.a >= found.complete_below;
-        if (broadphase.listed != is_candidate) disagree("what the broadphase listed did not reach the narrowphase", pair);
+        if (broadphase.listed != is_candidate && !w_.joints_changed) disagree("what the broadphase listed did not reach the narrowphase", pair);
         if (moving_plane) return;
         if (broadphase.listed && bounds.gap > 0.0) disagree("listed although the bounds are apart", pair);
         if (!broadphase.listed && !(bounds.gap > 0.0) && !limited) disagree("not listed although the bounds overlap", pair);
@@ -245,8 +248,17 @@ ContactExplanation World::explain(BodyId a, BodyId b) const {
         return why;
     }
     const Impl& w = *impl_;
-    const LastStep step{w.bodies,     w.shapes,   w.arrays,   w.proxies, w.broadphase, w.candidates, w.contacts, w.sleepers.contacts(), w.last_substep * w.def.substeps,
-                        w.looked_for_contacts};
+    const LastStep step{.bodies = w.bodies,
+                        .shapes = w.shapes,
+                        .arrays = w.arrays,
+                        .proxies = w.proxies,
+                        .broadphase = w.broadphase,
+                        .candidates = w.candidates,
+                        .contacts = w.contacts,
+                        .joints = w.joints,
+                        .joints_changed = w.joints.version() != w.joint_solver.version(),
+                        .dt = w.last_substep * w.def.substeps,
+                        .looked_for_contacts = w.looked_for_contacts};
     const PairClimb climb(step, why.disagreements);
     for (const ShapeId shape_a : of_a->shapes) {
         for (const ShapeId shape_b : of_b->shapes) {

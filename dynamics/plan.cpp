@@ -46,6 +46,7 @@ std::string reason_for_sleep(const WorldDef& def, std::size_t asleep, std::size_
 std::string reason_for(Stage stage, const dynamics::StepChoices& choices, const WorldDef& def, bool everything) {
     if (stage == Stage::Restitution && !choices.restitution) return "skipped: no shape bounces (all restitution is 0)";
     if (stage == Stage::Relax && !def.relax) return "skipped: WorldDef::relax is off";
+    if (stage == Stage::Joints) return choices.joints ? "runs: there are joints" : choices.all_asleep ? "skipped: every dynamic body sleeps" : "skipped: there are no joints";
     if (!choices.contacts && choices.all_asleep && stage != Stage::Positions && stage != Stage::Quarantine) {
         return "skipped: every dynamic body sleeps, and nothing else moves";
     }
@@ -70,6 +71,7 @@ bool runs(Stage stage, const dynamics::StepChoices& choices, const WorldDef& def
         case Stage::Positions:
         case Stage::Quarantine: return true;
         case Stage::Sleep: return def.sleep.enabled;
+        case Stage::Joints: return choices.joints;
         case Stage::Restitution: return choices.contacts && choices.restitution;
         case Stage::Relax: return choices.contacts && def.relax;
         default: return choices.contacts;
@@ -81,7 +83,7 @@ bool runs(Stage stage, const dynamics::StepChoices& choices, const WorldDef& def
 dynamics::StepChoices World::Impl::choose() const {
     if (def.plan == PlanMode::Everything) return {};
     const bool could_meet = census.bodies >= 2 && census.dynamic_bodies > 0, any_awake = is_any_awake();
-    return {could_meet && any_awake, census.bouncing_shapes > 0, !any_awake};
+    return {could_meet && any_awake, census.bouncing_shapes > 0, !joints.empty() && any_awake, !any_awake};
 }
 
 BroadphasePlan World::Impl::plan_broadphase(double dt) const {

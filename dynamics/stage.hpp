@@ -12,6 +12,7 @@ enum class Stage : unsigned char {
     Restitution,
     Islands,
     Direct,
+    Joints,
     Prepare,
     Velocities,
     WarmStart,

@@ -13,7 +13,7 @@
 
 namespace carom {
 
-/// Mechanical energy [J]; potential is -m g·x, zero at the world's origin. Dynamic bodies only.
+/// Mechanical energy [J]; potential is -m g·x, zero at the world's origin, and that of stretched springs. Dynamic bodies only.
 struct Energy {
     double kinetic = 0.0;
     double potential = 0.0;
@@ -55,6 +55,15 @@ struct DirectCounts {
     std::size_t operations = 0;  ///< of 6 x 6 blocks in these: what WorldDef::direct_budget limits for one of them
 };
 
+/// Joints of the step, and how well ball joints held.
+struct JointCounts {
+    std::size_t joints = 0;      ///< that took part: not those of quarantined bodies
+    std::size_t islands = 0;     ///< of bodies that joints join
+    std::size_t in_contact = 0;  ///< of these, with contacts too: they share the substeps of the contact solver
+    std::size_t swept = 0;       ///< of the islands, those too large for WorldDef::direct_budget: solved joint by joint
+    double worst_gap = 0.0;      ///< of the anchors of a ball joint at the end of the step [m]
+};
+
 struct StepReport {
     std::uint64_t step = 0;  ///< steps done so far, this one included; 0: the step was refused or dt = 0
     double dt = 0.0;         ///< [s]
@@ -80,6 +89,7 @@ struct StepReport {
     std::size_t undecided = 0;   ///< pairs whose narrowphase stopped at its cap
     std::size_t overflow = 0;    ///< manifolds beyond the last colour, solved one after the other
     DirectCounts direct;
+    JointCounts joints;
     std::size_t deep = 0;        ///< points that began the step so deep that their push was limited by WorldDef::max_push
 
     std::size_t asleep = 0;       ///< bodies that sleep after the step; pairs, manifolds and contacts above are without them

@@ -164,6 +164,7 @@ void World::destroy_body(BodyId body) {
     CAROM_REQUIRE(record != nullptr, ErrorCode::DeadId, "no such body");
     if (!record->quarantined) impl_->take_out(body);
     for (const ShapeId shape : record->shapes) impl_->shapes.erase(shape);
+    impl_->joints.erase_of(body);
     impl_->arrays.roles[body.slot] = Role::Absent;
     impl_->bodies.erase(body);
     std::erase(impl_->body_order, body);

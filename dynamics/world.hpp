@@ -15,6 +15,7 @@
 #include <carom/core/pose.hpp>
 #include <carom/dynamics/body.hpp>
 #include <carom/dynamics/contact_method.hpp>
+#include <carom/dynamics/joint.hpp>
 #include <carom/dynamics/plan.hpp>
 #include <carom/dynamics/sleep_settings.hpp>
 #include <carom/dynamics/step_report.hpp>
@@ -89,7 +90,7 @@ public:
     [[nodiscard]] const WorldDef& settings() const noexcept;
 
     BodyId create_body(const BodyDef& def = {});
-    /// Removes the body and its shapes.
+    /// Removes the body, its shapes and its joints.
     void destroy_body(BodyId body);
     /// Adds a shape; the mass of a dynamic body is then the sum over its shapes, and over the parts of compounds: of a closed mesh that of
     /// its solid, of an open one that of its hull. Planes only on static and kinematic bodies, and no flat mesh on a dynamic one: both are
@@ -97,8 +98,16 @@ public:
     /// reach farther than 1e30 m: the floats of solver and broadphase hold no others. set_mass_properties asks the same of masses.
     ShapeId add_shape(BodyId body, Shape shape, const ShapeDef& def = {});
 
+    /// Joins two bodies, or a body and the world: a BallJointDef or a SpringDef (joint.hpp). The bodies must be alive and unlike, and one of
+    /// them dynamic. Costs O(joints) at worst.
+    JointId create_joint(const JointDef& def);
+    void destroy_joint(JointId joint);
+
     [[nodiscard]] bool is_alive(BodyId body) const noexcept;
     [[nodiscard]] bool is_alive(ShapeId shape) const noexcept;
+    [[nodiscard]] bool is_alive(JointId joint) const noexcept;
+    /// @return the living joints, in order of creation; valid until a joint is created or destroyed.
+    [[nodiscard]] std::span<const JointId> joints() const noexcept;
     [[nodiscard]] std::size_t body_count() const noexcept;
     /// @return the living bodies, in order of creation; valid until a body is created or destroyed.
     [[nodiscard]] std::span<const BodyId> bodies() const noexcept;
@@ -117,6 +126,12 @@ public:
     [[nodiscard]] const Shape& shape(ShapeId shape) const;       ///< a unit sphere for a dead id, after the report
     [[nodiscard]] const ShapeDef& shape_def(ShapeId shape) const;
     [[nodiscard]] Pose shape_pose(ShapeId shape) const;          ///< in the world
+
+    [[nodiscard]] const JointDef& joint_def(JointId joint) const;  ///< a spring of no stiffness for a dead id, after the report
+    /// Where the joint is, with the bodies as they are.
+    [[nodiscard]] JointState joint_state(JointId joint) const;
+    /// Gives a joint other numbers or bodies; what create_joint() refuses is refused. What pushed it in the last step stays known.
+    void set_joint(JointId joint, const JointDef& def);
 
     /// Puts a quarantined body back into the simulation, in the state it has; nothing for any other body.
     void release(BodyId body);

@@ -30,6 +30,12 @@ Energy World::energy() const {
                        0.5 * glm::dot(state.spin, dynamics::angular_momentum(state, mass));
         sum.potential -= mass.mass * glm::dot(impl_->def.gravity, state.pose.position);
     }
+    for (const JointId joint : impl_->joints.order()) {
+        const SpringDef* spring = std::get_if<SpringDef>(&impl_->joints.find(joint)->def);
+        if (spring == nullptr) continue;
+        const double stretch = joint_state(joint).stretch;
+        sum.potential += 0.5 * spring->stiffness * stretch * stretch;
+    }
     return sum;
 }
 

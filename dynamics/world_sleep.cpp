@@ -12,12 +12,35 @@ void World::Impl::wake(BodyId body) {
     if (!sleepers.is_on()) return;
     const Role role = arrays.roles[body.slot];
     if (dynamics::has_mass(role)) return sleepers.wake(body.slot, arrays);
-    if (role != Role::Absent) sleepers.wake_touching(body.slot, arrays);
+    if (role == Role::Absent) return;
+    sleepers.wake_touching(body.slot, arrays);
+    for (const JointId id : joints.order()) {
+        const auto [a, b] = dynamics::bodies_of(joints.find(id)->def);
+        if (a == body || b == body) wake_joined(joints.find(id)->def);
+    }
 }
 
 void World::Impl::note_placed(BodyId body) {
     if (!sleepers.is_on() || dynamics::has_mass(arrays.roles[body.slot])) return;
     for (const ShapeId shape : bodies.find(body)->shapes) sleepers.note_placed(shape.slot);
+}
+
+void World::Impl::wake_joined(const JointDef& joint) {
+    if (!sleepers.is_on()) return;
+    const auto [a, b] = dynamics::bodies_of(joint);
+    for (const BodyId body : {a, b}) {
+        if (body && dynamics::has_mass(arrays.roles[body.slot])) sleepers.wake(body.slot, arrays);
+    }
+}
+
+dynamics::SleepScene World::Impl::sleep_scene() {
+    const auto slot_of = [](BodyId body) { return body ? body.slot : dynamics::BodyLink::kWorld; };
+    sleep_links.clear();
+    for (const JointId id : joints.order()) {
+        const auto [a, b] = dynamics::bodies_of(joints.find(id)->def);
+        sleep_links.push_back({slot_of(a), slot_of(b)});
+    }
+    return {contacts, arrays, def.gravity, sleep_links};
 }
 
 bool World::Impl::is_any_awake() const {

@@ -46,7 +46,8 @@ double ResidualMeter::imbalance(std::size_t slot, const BodyArrays& bodies, cons
     return all > 0.0 ? glm::length(free_moves(mass.locked) * missing) / all : 0.0;
 }
 
-ContactResidual ResidualMeter::measure(const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies, const ResidualStep& step) {
+ContactResidual ResidualMeter::measure(const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies, const ResidualStep& step,
+                                       std::span<const unsigned char> jointed) {
     ContactResidual out;
     loads_.assign(bodies.states.size(), {});
     double largest = 0.0, excess = 0.0;
@@ -70,7 +71,8 @@ ContactResidual ResidualMeter::measure(const ContactSet& contacts, const ProxySe
     }
     if (largest > 0.0) out.cone = excess / largest;
     for (std::size_t slot = 0; slot < loads_.size(); ++slot) {
-        if (loads_[slot].touched && bodies.roles[slot] == Role::Dynamic) out.balance = std::max(out.balance, imbalance(slot, bodies, step));
+        const bool by_contacts_alone = loads_[slot].touched && (jointed.empty() || jointed[slot] == 0);
+        if (by_contacts_alone && bodies.roles[slot] == Role::Dynamic) out.balance = std::max(out.balance, imbalance(slot, bodies, step));
     }
     return out;
 }

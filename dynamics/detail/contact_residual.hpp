@@ -8,6 +8,7 @@
 #include <carom/dynamics/detail/proxies.hpp>
 #include <carom/dynamics/step_report.hpp>
 
+#include <span>
 #include <vector>
 
 namespace carom::dynamics {
@@ -23,7 +24,9 @@ public:
     void remember(const BodyArrays& bodies) { before_ = bodies.states; }
 
     /// Pairs that fly (impacts.hpp) are left out, and so are locked axes: what holds them is no contact.
-    [[nodiscard]] ContactResidual measure(const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies, const ResidualStep& step);
+    /// @param jointed  by slot: 1 for bodies whose balance is left out, since joints hold them too; empty where there are none.
+    [[nodiscard]] ContactResidual measure(const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies, const ResidualStep& step,
+                                          std::span<const unsigned char> jointed);
 
 private:
     struct Load {

@@ -77,6 +77,7 @@ void ContactSolver::assign_rows(const ContactSet& contacts, std::span<const unsi
     for (std::size_t slot = 0; slot < held.size(); ++slot) {
         if (held[slot] != 0) row_of_slot_[slot] = kNoRow;
     }
+    for (const std::uint32_t slot : shared_) row_of_slot_[slot] = kTouched;
     slot_of_row_.clear();
     for (const Role role : {Role::Dynamic, Role::Kinematic}) {
         for (std::uint32_t slot = 0; slot < row_of_slot_.size(); ++slot) {

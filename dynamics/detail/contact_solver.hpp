@@ -42,6 +42,12 @@ public:
     void prepare(const ContactSet& contacts, std::span<const unsigned char> held, const ProxySet& proxies, const BodyArrays& bodies,
                  const SolverSettings& settings, Executor& executor);
 
+    /// Slots of dynamic bodies that prepare() takes in whether they have contacts or not: others work on their rows too.
+    void share(std::span<const std::uint32_t> slots) { shared_.assign(slots.begin(), slots.end()); }
+    /// The row of a body that holds(), between passes.
+    [[nodiscard]] SolverBody& body(std::uint32_t slot) noexcept { return rows_.bodies[static_cast<std::size_t>(row_of_slot_[slot])]; }
+    [[nodiscard]] const SolverBody& body(std::uint32_t slot) const noexcept { return rows_.bodies[static_cast<std::size_t>(row_of_slot_[slot])]; }
+
     void integrate_velocities(WarmStart warm_start, Executor& executor);
     /// Of the first substep: from then on integrate_velocities() does it.
     void warm_start(Executor& executor);
@@ -88,6 +94,7 @@ private:
     RollingRows rolling_;
     std::vector<std::uint32_t> slot_of_row_;
     std::vector<std::int32_t> row_of_slot_;
+    std::vector<std::uint32_t> shared_;
     std::vector<Side> sides_;                  // by slot of shapes
     std::vector<ManifoldRow> manifold_rows_;   // and one for unused lanes
     std::vector<ContactRows> contact_rows_;    // per manifold

@@ -37,13 +37,15 @@ double least_load(const ContactPair& pair, const BodyArrays& bodies, const dvec3
     return std::max(glm::length(gravity) / inverse, kLeastOfIsland * most);
 }
 
-/// Whether the bodies are free to move, do not bounce and roll without resistance: all else is the soft solver's.
+/// Whether the bodies are free to move, do not bounce and roll without resistance: what is locked, joined, flies or resists is the soft solver's.
 bool is_plain(const DirectWorld& world, std::span<const std::uint32_t> bodies, std::span<const std::uint32_t> manifolds) {
     for (const std::uint32_t m : manifolds) {
         const ContactPair& pair = world.contacts.pairs[world.contacts.manifolds[m].pair];
         if (pair.flies || resists(world.proxies.by_slot[pair.proxy_a].resistance) || resists(world.proxies.by_slot[pair.proxy_b].resistance)) return false;
     }
-    return std::ranges::all_of(bodies, [&](std::uint32_t slot) { return world.bodies.masses[slot].locked == LockedAxes::None; });
+    return std::ranges::all_of(bodies, [&](std::uint32_t slot) {
+        return world.bodies.masses[slot].locked == LockedAxes::None && (world.jointed.empty() || world.jointed[slot] == 0);
+    });
 }
 
 SagLaw law_of(const DirectStep& step) { return {step.gravity, step.dt, step.substep(), step.contact_rate, kSagShare}; }

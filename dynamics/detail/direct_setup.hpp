@@ -26,6 +26,7 @@ struct DirectWorld {
     ContactSet& contacts;
     const ProxySet& proxies;
     BodyArrays& bodies;
+    std::span<const unsigned char> jointed{};  ///< by slot: 1 for bodies with joints; empty where there are none
 };
 
 /// How an island moves and how large it is.

@@ -12,6 +12,7 @@ const char* to_string(Rung rung) noexcept {
         case Rung::NoShapes: return "no shapes";
         case Rung::Filter: return "filter";
         case Rung::Asleep: return "asleep";
+        case Rung::Joined: return "joined";
         case Rung::NoStep: return "no step";
         case Rung::OutOfStep: return "out of step";
         case Rung::Bounds: return "bounds";
@@ -138,6 +139,7 @@ std::string sentence_of(const ContactExplanation& why) {
     switch (pair.rung) {
         case Rung::Filter: return no + filter_text(*pair.filter);
         case Rung::Asleep: return no + "one of them sleeps, they did not when it fell asleep, and neither has moved since";
+        case Rung::Joined: return no + "a joint of their bodies leaves contacts between them out";
         case Rung::NoStep:
             return no + (why.step == 0 ? "no step has been done yet" : "the last step looked for no contacts: no two shapes could meet");
         case Rung::OutOfStep: return no + "the last step did not know both shapes as they are: one came, changed or is quarantined";

@@ -151,6 +151,7 @@ void Sleepers::look_at_islands(const SleepScene& scene, bool wait) {
     const std::vector<Role>& roles = scene.bodies.roles;
     links_.link(scene.contacts, roles);
     for (const BodyLink& link : scene.links) {
+        if (link.a == BodyLink::kWorld || link.b == BodyLink::kWorld) continue;
         if (roles[link.a] == Role::Dynamic && roles[link.b] == Role::Dynamic) links_.join(link.a, link.b);
     }
     findings_.assign(roles.size(), Findings{});
@@ -166,11 +167,13 @@ void Sleepers::look_at_touch(const SleepScene& scene) {
 
 void Sleepers::touch(const BodyArrays& bodies, std::uint32_t a, std::uint32_t b, bool holds) noexcept {
     for (const auto& [slot, other] : {std::pair{a, b}, std::pair{b, a}}) {
-        if (bodies.roles[slot] != Role::Dynamic || bodies.roles[other] == Role::Absent) continue;
+        if (slot == BodyLink::kWorld || bodies.roles[slot] != Role::Dynamic) continue;
+        const Role held_by = other == BodyLink::kWorld ? Role::Static : bodies.roles[other];
+        if (held_by == Role::Absent) continue;
         touched_[slot] |= holds ? 1 : 0;
-        if (bodies.roles[other] == Role::Dynamic) continue;
+        if (held_by == Role::Dynamic) continue;
         Findings& island = findings_[links_.root(slot)];
-        island.restless |= moves_others(bodies, other);
+        island.restless |= held_by == Role::Kinematic && stirs(bodies, other);
         island.anchored |= holds;
     }
 }

@@ -19,9 +19,10 @@
 
 namespace carom::dynamics {
 
-/// Two bodies that something other than a contact holds together: they sleep and wake as one. Either may be without mass.
+/// Two bodies that something other than a contact holds together: they sleep and wake as one. Either may be without mass, or the world.
 struct BodyLink {
-    std::uint32_t a = 0, b = 0;  ///< slots
+    static constexpr std::uint32_t kWorld = ~std::uint32_t{0};
+    std::uint32_t a = 0, b = 0;  ///< slots, or kWorld
 };
 
 /// @return what gravity pulls a body by along the axes that are free to it [m/s²].
@@ -118,6 +119,7 @@ private:
     [[nodiscard]] bool rests_alone(std::size_t slot, const BodyArrays& bodies, double pull) const noexcept;
     [[nodiscard]] bool is_still_now(std::size_t slot, double pull) const noexcept;
     void look_at_touch(const SleepScene& scene);
+    /// @param a, b  slots, or BodyLink::kWorld.
     void touch(const BodyArrays& bodies, std::uint32_t a, std::uint32_t b, bool holds) noexcept;
     /// @param wait  whether bodies must have been still for the whole time.
     void look_at_bodies(const SleepScene& scene, bool wait);

@@ -135,6 +135,8 @@ TEST(Plan, SaysWhatIsSkippedAndWhy) {
         EXPECT_FALSE(e.reason.empty());
     }
     world.add_shape(world.create_body({.type = BodyType::Static}), Plane{}, {.restitution = 0.5f});
+    for (const PlanEntry& e : world.plan().entries) EXPECT_EQ(e.run, e.stage != Stage::Joints && e.stage != Stage::Sleep) << to_string(e.stage);
+    world.create_joint(BallJointDef{.body_a = body});
     for (const PlanEntry& e : world.plan().entries) EXPECT_EQ(e.run, e.stage != Stage::Sleep) << to_string(e.stage);
 }
 
