@@ -171,6 +171,25 @@ TEST(Sleep, NeverTakesSlowSlides) {
     }
 }
 
+// Slides from rest, without friction: one so slight that only its growth tells it from rest, and one of a body so large that in its own size it hardly moves.
+TEST(Sleep, NeverTakesSlidesThatBegin) {
+    struct Case {
+        double angle, half, motion;
+    };
+    for (const Case& c : {Case{2e-4, 0.5, 1e-3}, Case{0.1, 5000.0, 0.1}}) {
+        World world({.sleep = {.enabled = true, .motion = c.motion}});
+        const dquat turn = rotation_from_vector({0, 0, -c.angle});
+        world.add_shape(world.create_body({.type = BodyType::Static, .orientation = turn}), Plane{{0, 1, 0}, 0}, {.friction = 0.0f});
+        const BodyId body = world.create_body({.position = rotate(turn, dvec3{0, c.half, 0}), .orientation = turn});
+        world.add_shape(body, Box{vec3{static_cast<float>(c.half)}}, {.friction = 0.0f});
+        for (int i = 0; i < 300; ++i) {
+            world.step(kDt);
+            ASSERT_TRUE(world.is_awake(body)) << c.half << " m, step " << i;
+        }
+        EXPECT_NEAR(glm::length(world.linear_velocity(body)), 9.81 * std::sin(c.angle) * 5.0, 0.05 * 9.81 * std::sin(c.angle) * 5.0);
+    }
+}
+
 TEST(Sleep, NeverTakesWhatRides) {
     World world({.sleep = {.enabled = true}});
     const BodyId platform = world.create_body({.type = BodyType::Kinematic, .linear_velocity = {1e-6, 0, 0}});
