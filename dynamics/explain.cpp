@@ -255,6 +255,7 @@ ContactExplanation World::explain(BodyId a, BodyId b) const {
                         .broadphase = w.broadphase,
                         .candidates = w.candidates,
                         .contacts = w.contacts,
+                        .asleep = w.sleepers.contacts(),
                         .joints = w.joints,
                         .joints_changed = w.joints.version() != w.joint_solver.version(),
                         .dt = w.last_substep * w.def.substeps,
