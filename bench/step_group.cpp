@@ -1,9 +1,8 @@
 #include <carom/bench/step_group.hpp>
 
-#include <carom/bench/engine.hpp>
-
 #include <carom/scenes/scene.hpp>
 #include <carom/studies/oracle/penetration.hpp>
+#include <carom/studies/peers/engines.hpp>
 
 #include <fmt/format.h>
 #include <glm/geometric.hpp>
@@ -17,13 +16,18 @@
 namespace carom::bench {
 namespace {
 
+using accuracy::Engine;
+using accuracy::SceneBodies;
+using accuracy::moving_bodies;
+using accuracy::scene_bodies;
+
 constexpr int kTurn = 10;  // steps that an engine takes before the next one does
 
 struct Peer {
     const char* name;
     std::unique_ptr<Engine> (*make)(const SceneBodies&);
 };
-constexpr std::array<Peer, 2> kPeers{{{"bullet", make_bullet}, {"ode", make_ode}}};
+constexpr std::array<Peer, 2> kPeers{{{"bullet", peers::make_bullet}, {"ode", peers::make_ode}}};
 
 struct Bench {
     const char* name;
@@ -116,7 +120,7 @@ Status run_bench(const Bench& bench, const std::vector<Peer>& peers, std::FILE* 
     if (!run) return run.error();
     const SceneBodies bodies = scene_bodies(run->world);
     std::vector<Contender> contenders;
-    contenders.push_back({.engine = make_carom(std::move(run->world))});
+    contenders.push_back({.engine = accuracy::make_carom(std::move(run->world))});
     for (const Peer& peer : peers) contenders.push_back({.engine = peer.make(bodies)});
 
     const double wall_over_cpu = take_turns(contenders, run->steps, run->dt);

@@ -80,7 +80,7 @@ Status write_folder(const std::vector<accuracy::StudyResult>& results, const acc
 }
 
 std::vector<accuracy::StudyResult> measure_all(const accuracy::StudyGroup& group, const AccuracyOptions& options) {
-    std::vector<accuracy::Study> studies = group.make({.quick = options.quick, .ray_peers = study_ray_peers()});
+    std::vector<accuracy::Study> studies = group.make({.quick = options.quick, .ray_peers = study_ray_peers(), .engine_peers = study_engine_peers()});
     const int rounds = 1 + (options.quick ? kQuickRepeats : kRepeats);
     Progress progress(rounds * static_cast<int>(studies.size()));
     std::vector<accuracy::StudyResult> results;

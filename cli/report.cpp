@@ -111,6 +111,7 @@ Json to_json(const RunRecord& record) {
             {"error", error_json(record)},
             {"speed", {{"max", or_null(record.max_speed)}, {"mean", or_null(record.mean_speed)}}},
             {"direct", direct_json(record.direct)},
+            {"sleep", {{"asleep", record.asleep}, {"fell_asleep", record.fell_asleep}, {"woken", record.woken}}},
             {"contacts", record.contacts},
             {"manifolds", record.manifolds},
             {"reused_share", record.reused_share},
@@ -155,6 +156,9 @@ std::string summary(const RunRecord& record) {
         fmt::format_to(out, "speed         max {:.3g} m/s, mean {:.3g} m/s\n", *record.max_speed, *record.mean_speed);
     }
     fmt::format_to(out, "{}", direct_text(record.direct));
+    if (record.fell_asleep > 0) {
+        fmt::format_to(out, "sleep         {} asleep at the end; {} fell asleep and {} woke over all steps\n", record.asleep, record.fell_asleep, record.woken);
+    }
     fmt::format_to(out, "contacts      {} in {} manifolds; {:.0f} % of all pairs were carried along\nstate hash    {}\n", record.contacts,
                    record.manifolds, 100.0 * record.reused_share, to_hex(record.state_hash));
     return fmt::to_string(text);

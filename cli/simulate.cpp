@@ -53,6 +53,9 @@ public:
         overflow_ += report.overflow;
         deep_ += report.deep;
         add(direct_, report.direct);
+        asleep_ = report.asleep;
+        fell_asleep_ += report.fell_asleep;
+        woken_ += report.woken;
         contacts_ = report.contacts;
         manifolds_ = report.manifolds;
         look(world, done);
@@ -82,6 +85,9 @@ public:
         record.overflow = overflow_;
         record.deep = deep_;
         record.direct = direct_;
+        record.asleep = asleep_;
+        record.fell_asleep = fell_asleep_;
+        record.woken = woken_;
         record.contacts = contacts_;
         record.manifolds = manifolds_;
     }
@@ -114,6 +120,7 @@ private:
     std::set<BodyId> escaped_, quarantined_;
     std::size_t undecided_ = 0, pairs_limited_ = 0, overflow_ = 0, deep_ = 0, contacts_ = 0, manifolds_ = 0;
     std::size_t pairs_ = 0, reused_ = 0;
+    std::size_t asleep_ = 0, fell_asleep_ = 0, woken_ = 0;
     DirectCounts direct_;
 };
 

@@ -21,5 +21,6 @@ struct Id {
 
 using BodyId = Id<struct BodyTag>;
 using ShapeId = Id<struct ShapeTag>;
+using JointId = Id<struct JointTag>;
 
 }  // namespace carom

@@ -34,6 +34,7 @@ struct BodyDef {
     double linear_damping = 0.0;            ///< of dynamic bodies: without other forces v falls by exp(-c t), c >= 0 [1/s]
     double angular_damping = 0.0;           ///< the same of the angular momentum
     unsigned char locked = LockedAxes::None;  ///< of dynamic bodies
+    bool can_sleep = true;                  ///< false, of dynamic bodies: it stays awake, and so does all that touches it
 };
 
 /// How the values of two shapes become that of their contact. A shape that names no rule leaves it to the other; where both name one, the
@@ -49,6 +50,10 @@ struct ShapeDef {
     float restitution = 0.0f;        ///< in [0, 1]: speed after an impact over that before it
     std::optional<CombineRule> friction_rule{};
     std::optional<CombineRule> restitution_rule{};
+    float rolling_resistance = 0.0f; ///< coefficient of rolling friction [m], 0 .. 1e30: the torque against rolling over the normal force. A ball of radius r rolls on slopes
+                                     ///< steeper than rolling_resistance / r
+    float torsion = 0.0f;            ///< the same against spinning about the contact's normal [m]; a round patch of radius a has 2/3 a times its friction
+    std::optional<CombineRule> rolling_rule{};  ///< of both
     Pose local{};                    ///< of the shape in its body
     std::uint64_t layer = 1;         ///< bits this shape has
     std::uint64_t mask = ~std::uint64_t{0};  ///< bits it meets; both must agree

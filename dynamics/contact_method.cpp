@@ -7,6 +7,7 @@ const char* to_string(ContactMethod method) noexcept {
         case ContactMethod::Automatic: return "automatic";
         case ContactMethod::Soft: return "soft";
         case ContactMethod::Direct: return "direct";
+        case ContactMethod::Impulses: return "impulses";
     }
     return "unknown";
 }

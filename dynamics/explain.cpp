@@ -44,6 +44,9 @@ struct LastStep {
     const Broadphase& broadphase;
     std::span<const NumberedPair> candidates;
     const dynamics::ContactSet& contacts;
+    const dynamics::ContactSet& asleep;  ///< of what sleeps
+    const dynamics::JointSet& joints;
+    bool joints_changed = false;  ///< since the step
     double dt = 0.0;  ///< [s]
     bool looked_for_contacts = false;
 };
@@ -57,8 +60,13 @@ public:
         pair.shape_a = a;
         pair.shape_b = b;
         pair.filter = filter_of(a, b);
-        const bool passes = pair.filter->any_moves && pair.filter->layers_agree;
-        pair.rung = !passes ? Rung::Filter : !w_.looked_for_contacts ? Rung::NoStep : Rung::OutOfStep;
+        const bool agrees = pair.filter->any_moves && pair.filter->layers_agree, passes = agrees && !pair.filter->joined;
+        if (passes && (is_idle_asleep(a, b) || is_idle_asleep(b, a))) {
+            pair.rung = Rung::Asleep;
+            pair.found = summary_of(contacts_of(w_.asleep, listed_order(w_.proxies, a.slot, b.slot)));
+            return pair;
+        }
+        pair.rung = !agrees ? Rung::Filter : !passes ? Rung::Joined : !w_.looked_for_contacts ? Rung::NoStep : Rung::OutOfStep;
         if (!w_.looked_for_contacts || !known(a) || !known(b)) return pair;
 
         const ProxySet& proxies = w_.proxies;
@@ -73,7 +81,7 @@ public:
             pair.broadphase = broadphase_of(listed, *pair.bounds, candidate != nullptr);
             check_listing(*pair.bounds, *pair.broadphase, candidate != nullptr, listed);
             if (candidate != nullptr) listed = *candidate;
-        } else if (candidate != nullptr) {
+        } else if (candidate != nullptr && (!agrees || !w_.joints_changed)) {
             disagree("the filter parts the two, and yet the step listed them", listed);
         }
         add_contact(listed, pair);
@@ -83,6 +91,12 @@ public:
     }
 
 private:
+    /// Whether the body of `a` sleeps, and that of `b` does nothing that could wake it.
+    [[nodiscard]] bool is_idle_asleep(ShapeId a, ShapeId b) const {
+        const std::uint32_t slot_a = w_.shapes.find(a)->body.slot, slot_b = w_.shapes.find(b)->body.slot;
+        return w_.arrays.roles[slot_a] == Role::Asleep && !dynamics::stirs(w_.arrays, slot_b);
+    }
+
     void disagree(const std::string& what, const NumberedPair& pair) const {
         disagreements_.push_back("shapes " + std::to_string(pair.a) + " and " + std::to_string(pair.b) + ": " + what);
     }
@@ -93,6 +107,7 @@ private:
         filter.layers_agree = (filter.layer_a & filter.mask_b) != 0 && (filter.layer_b & filter.mask_a) != 0;
         filter.any_moves =
             w_.bodies.find(of_a.body)->type == BodyType::Dynamic || w_.bodies.find(of_b.body)->type == BodyType::Dynamic;
+        filter.joined = w_.joints.parts(of_a.body.slot, of_b.body.slot);
         return filter;
     }
 
@@ -100,6 +115,8 @@ private:
     [[nodiscard]] bool known(ShapeId id) const {
         const ProxySet& p = w_.proxies;
         if (id.slot >= p.kinds.size() || p.kinds[id.slot] == ProxyKind::None || p.by_slot[id.slot].id != id || p.stale[id.slot] != 0) return false;
+        const bool woken = w_.arrays.roles[p.bodies[id.slot]] == Role::Dynamic && !p.filters[id.slot].movable;
+        if (woken) return false;
         return p.kinds[id.slot] == ProxyKind::Plane || p.listed[id.slot] != 0;
     }
 
@@ -143,7 +160,7 @@ private:
         const bool moving_plane = bounds.axis < 0 && w_.arrays.roles[w_.proxies.bodies[pair.b]] != Role::Static;
         const PairUpdate& found = w_.broadphase.result();
         const bool limited = bounds.axis >= 0 && found.status == PairStatus::LimitReached && pair.a >= found.complete_below;
-        if (broadphase.listed != is_candidate) disagree("what the broadphase listed did not reach the narrowphase", pair);
+        if (broadphase.listed != is_candidate && !w_.joints_changed) disagree("what the broadphase listed did not reach the narrowphase", pair);
         if (moving_plane) return;
         if (broadphase.listed && bounds.gap > 0.0) disagree("listed although the bounds are apart", pair);
         if (!broadphase.listed && !(bounds.gap > 0.0) && !limited) disagree("not listed although the bounds overlap", pair);
@@ -162,7 +179,7 @@ private:
         if (find_candidate(listed) == nullptr) return;
         std::vector<Manifold> anew;
         carom::collide(placed(listed.a, listed.b), 0, anew);
-        const std::span<const Manifold> had = contacts_of(listed);
+        const std::span<const Manifold> had = contacts_of(w_.contacts, listed);
         pair.found = summary_of(had);
         pair.found->carried = !same_contacts(anew, had);
         if (pair.found->carried && !may_be_carried(summary_of(anew), *pair.found, listed)) {
@@ -193,12 +210,12 @@ private:
         return std::abs(anew.least_separation - had.least_separation) <= 1.01 * slack;
     }
 
-    [[nodiscard]] std::span<const Manifold> contacts_of(const NumberedPair& listed) const {
+    [[nodiscard]] std::span<const Manifold> contacts_of(const dynamics::ContactSet& set, const NumberedPair& listed) const {
         const std::uint64_t key = dynamics::contact_pair(w_.proxies, listed).key;
-        const auto& pairs = w_.contacts.pairs;
+        const auto& pairs = set.pairs;
         const auto found = std::ranges::lower_bound(pairs, key, {}, &ContactPair::key);
         if (found == pairs.end() || found->key != key) return {};
-        return std::span(w_.contacts.manifolds).subspan(found->first_manifold, found->manifold_count);
+        return std::span(set.manifolds).subspan(found->first_manifold, found->manifold_count);
     }
 
     [[nodiscard]] static Rung rung_of(const StepContacts& found) {
@@ -231,8 +248,17 @@ ContactExplanation World::explain(BodyId a, BodyId b) const {
         return why;
     }
     const Impl& w = *impl_;
-    const LastStep step{w.bodies,     w.shapes,   w.arrays,   w.proxies, w.broadphase, w.candidates, w.contacts, w.last_substep * w.def.substeps,
-                        w.looked_for_contacts};
+    const LastStep step{.bodies = w.bodies,
+                        .shapes = w.shapes,
+                        .arrays = w.arrays,
+                        .proxies = w.proxies,
+                        .broadphase = w.broadphase,
+                        .candidates = w.candidates,
+                        .contacts = w.contacts,
+                        .joints = w.joints,
+                        .joints_changed = w.joints.version() != w.joint_solver.version(),
+                        .dt = w.last_substep * w.def.substeps,
+                        .looked_for_contacts = w.looked_for_contacts};
     const PairClimb climb(step, why.disagreements);
     for (const ShapeId shape_a : of_a->shapes) {
         for (const ShapeId shape_b : of_b->shapes) {

@@ -23,6 +23,8 @@ enum class Rung : unsigned char {
     SameBody,      ///< shapes of one body do not meet
     NoShapes,      ///< one of the bodies has none
     Filter,        ///< neither is dynamic, or layers and masks do not agree
+    Asleep,        ///< one of the bodies sleeps and the other does not move, or sleeps as well: they are as they were when it fell asleep
+    Joined,        ///< a joint of the two bodies leaves their contacts out
     NoStep,        ///< no step has been done yet, or the last one looked for no contacts
     OutOfStep,     ///< a shape came or changed since, or its body is quarantined: the last step knew another one or none
     Bounds,        ///< the boxes around the predicted motion do not overlap; of a plane: the box does not come near it
@@ -32,7 +34,7 @@ enum class Rung : unsigned char {
     Touch,         ///< at least one contact touches
 };
 
-/// @return "same body", "no shapes", "filter", "no step", "out of step", "bounds", "pair limit", "distance", "margin", "touch".
+/// @return "same body", "no shapes", "filter", "asleep", "joined", "no step", "out of step", "bounds", "pair limit", "distance", "margin", "touch".
 [[nodiscard]] const char* to_string(Rung rung) noexcept;
 
 /// Layers, masks and who moves, of the two shapes.
@@ -40,6 +42,7 @@ struct FilterFinding {
     std::uint64_t layer_a = 0, mask_a = 0, layer_b = 0, mask_b = 0;
     bool layers_agree = false;
     bool any_moves = false;  ///< one of them is on a dynamic body
+    bool joined = false;     ///< a joint of their bodies leaves their contacts out, as the world is now
 };
 
 /// The boxes of the last step, around the motion that it predicted, and the axis on which they are farthest apart or overlap least. Where B

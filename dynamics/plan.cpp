@@ -19,10 +19,17 @@ std::string sentence(const char* format, double value) {
 }
 
 /// Without gravity there is no load by which to choose how stiff a contact should be.
-bool can_solve_directly(const WorldDef& def) { return def.contact_method != ContactMethod::Soft && def.gravity != dvec3{0.0}; }
+bool can_solve_directly(const WorldDef& def) {
+    return (def.contact_method == ContactMethod::Automatic || def.contact_method == ContactMethod::Direct) && def.gravity != dvec3{0.0};
+}
+
+bool looks_at_islands(const WorldDef& def) { return can_solve_directly(def) || def.contact_method == ContactMethod::Impulses; }
 
 std::string reason_for_direct(Stage stage, const WorldDef& def) {
     if (def.contact_method == ContactMethod::Soft) return "skipped: WorldDef::contact_method is Soft";
+    if (def.contact_method == ContactMethod::Impulses) {
+        return stage == Stage::Islands ? "runs: every island is put down for sequential impulses" : "runs: WorldDef::contact_method is Impulses";
+    }
     if (!can_solve_directly(def)) return "skipped: there is no gravity, and so no load that soft contacts could sag under";
     if (def.contact_method == ContactMethod::Direct) {
         return stage == Stage::Islands ? "runs: every island is put down for the direct solve" : "runs: WorldDef::contact_method is Direct";
@@ -31,9 +38,18 @@ std::string reason_for_direct(Stage stage, const WorldDef& def) {
                                    : "runs where there are such islands: small enough for the budget, and at rest, unless they are very small and squashed; the others stay soft";
 }
 
+std::string reason_for_sleep(const WorldDef& def, std::size_t asleep, std::size_t dynamic) {
+    if (!def.sleep.enabled) return "skipped: WorldDef::sleep is off";
+    return "runs: " + std::to_string(asleep) + " of " + std::to_string(dynamic) + " dynamic bodies sleep, and the other stages have nothing to do for them";
+}
+
 std::string reason_for(Stage stage, const dynamics::StepChoices& choices, const WorldDef& def, bool everything) {
     if (stage == Stage::Restitution && !choices.restitution) return "skipped: no shape bounces (all restitution is 0)";
     if (stage == Stage::Relax && !def.relax) return "skipped: WorldDef::relax is off";
+    if (stage == Stage::Joints) return choices.joints ? "runs: there are joints" : choices.all_asleep ? "skipped: every dynamic body sleeps" : "skipped: there are no joints";
+    if (!choices.contacts && choices.all_asleep && stage != Stage::Positions && stage != Stage::Quarantine) {
+        return "skipped: every dynamic body sleeps, and nothing else moves";
+    }
     if (!choices.contacts && stage != Stage::Positions && stage != Stage::Quarantine) {
         return "skipped: no two shapes could meet (one body with shapes, or none that moves)";
     }
@@ -51,9 +67,11 @@ std::string reason_for(Stage stage, const dynamics::StepChoices& choices, const 
 bool runs(Stage stage, const dynamics::StepChoices& choices, const WorldDef& def) {
     switch (stage) {
         case Stage::Islands:
-        case Stage::Direct: return choices.contacts && can_solve_directly(def);
+        case Stage::Direct: return choices.contacts && looks_at_islands(def);
         case Stage::Positions:
         case Stage::Quarantine: return true;
+        case Stage::Sleep: return def.sleep.enabled;
+        case Stage::Joints: return choices.joints;
         case Stage::Restitution: return choices.contacts && choices.restitution;
         case Stage::Relax: return choices.contacts && def.relax;
         default: return choices.contacts;
@@ -64,7 +82,8 @@ bool runs(Stage stage, const dynamics::StepChoices& choices, const WorldDef& def
 
 dynamics::StepChoices World::Impl::choose() const {
     if (def.plan == PlanMode::Everything) return {};
-    return {census.bodies >= 2 && census.dynamic_bodies > 0, census.bouncing_shapes > 0};
+    const bool could_meet = census.bodies >= 2 && census.dynamic_bodies > 0, any_awake = is_any_awake();
+    return {could_meet && any_awake, census.bouncing_shapes > 0, !joints.empty() && any_awake, !any_awake};
 }
 
 BroadphasePlan World::Impl::plan_broadphase(double dt) const {
@@ -95,7 +114,9 @@ Plan World::plan(double dt) const {
     plan.substeps = def.substeps;
     for (const Stage stage : all_stages()) {
         const bool everything = def.plan == PlanMode::Everything;
-        plan.entries.push_back({stage, runs(stage, choices, def), reason_for(stage, choices, def, everything)});
+        plan.entries.push_back({stage, runs(stage, choices, def),
+                                stage == Stage::Sleep ? reason_for_sleep(def, impl_->sleepers.count(), static_cast<std::size_t>(impl_->census.dynamic_bodies))
+                                                      : reason_for(stage, choices, def, everything)});
     }
     plan.broadphase = impl_->plan_broadphase(dt);
     plan.settings.push_back(sentence("substeps: %.0f a step", def.substeps));
@@ -111,6 +132,14 @@ Plan World::plan(double dt) const {
     }
     plan.settings.push_back(def.relax ? "a relax pass follows each substep" : "no relax pass: pushing overlap out adds energy");
     plan.settings.push_back(sentence("overlap is pushed out by at most %.4g of the smallest extent a step", def.max_push));
+    if (impl_->census.resisting_shapes > 0) {
+        plan.settings.push_back(sentence("%.0f shapes resist to rolling or spinning: a pass over their contacts follows each Solve and Relax, and their islands stay soft",
+                                         impl_->census.resisting_shapes));
+    }
+    if (def.sleep.enabled) {
+        plan.settings.push_back(sentence("islands sleep that have been still for %.4g s", def.sleep.time) +
+                                sentence(": no point moved by more than %.4g of the smallest extent", def.sleep.motion));
+    }
     return plan;
 }
 

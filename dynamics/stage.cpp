@@ -10,6 +10,7 @@ const char* to_string(Stage stage) noexcept {
         case Stage::Restitution: return "Restitution";
         case Stage::Islands: return "Islands";
         case Stage::Direct: return "Direct";
+        case Stage::Joints: return "Joints";
         case Stage::Prepare: return "Prepare";
         case Stage::Velocities: return "Velocities";
         case Stage::WarmStart: return "WarmStart";
@@ -18,6 +19,7 @@ const char* to_string(Stage stage) noexcept {
         case Stage::Relax: return "Relax";
         case Stage::Store: return "Store";
         case Stage::Quarantine: return "Quarantine";
+        case Stage::Sleep: return "Sleep";
     }
     return "unknown";
 }

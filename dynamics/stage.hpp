@@ -12,6 +12,7 @@ enum class Stage : unsigned char {
     Restitution,
     Islands,
     Direct,
+    Joints,
     Prepare,
     Velocities,
     WarmStart,
@@ -20,8 +21,9 @@ enum class Stage : unsigned char {
     Relax,
     Store,
     Quarantine,
+    Sleep,
 };
-inline constexpr int kStageCount = 14;
+inline constexpr int kStageCount = 15;
 
 /// @return the name as written above.
 [[nodiscard]] const char* to_string(Stage stage) noexcept;

@@ -13,7 +13,7 @@
 
 namespace carom {
 
-/// Mechanical energy [J]; potential is -m g·x, zero at the world's origin. Dynamic bodies only.
+/// Mechanical energy [J]; potential is -m g·x, zero at the world's origin, and that of stretched springs. Dynamic bodies only.
 struct Energy {
     double kinetic = 0.0;
     double potential = 0.0;
@@ -32,6 +32,15 @@ struct Balance {
     Momentum momentum;
 };
 
+/// How far the contacts at the end of a step are from the laws of contact. Zero of each is an exact solution.
+struct ContactResidual {
+    double balance = 0.0;  ///< largest over the bodies in contact: what their momentum changed by and no force explains, over the sum of the lengths of all
+                           ///< impulses on the body, gravity's included. The contacts' forces of the last substep are taken for those of the whole step: where
+                           ///< they change within it (an impact), the balance shows it
+    double speed = 0.0;    ///< the largest with which two points that push each other still approach or part, or that touch without a push approach [m/s]
+    double cone = 0.0;     ///< by how much the friction of a point exceeds μ times its normal force, over the largest normal force
+};
+
 /// Islands of bodies in contact that the soft solver would have let sink too far (WorldDef::contact_method), and what became of them:
 /// stiff is the sum of the five that follow.
 struct DirectCounts {
@@ -44,6 +53,15 @@ struct DirectCounts {
     std::size_t iterations = 0;  ///< of all solves: of Newton's method
     std::size_t factorisations = 0;
     std::size_t operations = 0;  ///< of 6 x 6 blocks in these: what WorldDef::direct_budget limits for one of them
+};
+
+/// Joints of the step, and how well ball joints held.
+struct JointCounts {
+    std::size_t joints = 0;      ///< that took part: not those of quarantined bodies
+    std::size_t islands = 0;     ///< of bodies that joints join
+    std::size_t in_contact = 0;  ///< of these, with contacts too: they share the substeps of the contact solver
+    std::size_t swept = 0;       ///< of the islands, those too large for WorldDef::direct_budget: solved joint by joint
+    double worst_gap = 0.0;      ///< of the anchors of a ball joint at the end of the step [m]
 };
 
 struct StepReport {
@@ -71,9 +89,15 @@ struct StepReport {
     std::size_t undecided = 0;   ///< pairs whose narrowphase stopped at its cap
     std::size_t overflow = 0;    ///< manifolds beyond the last colour, solved one after the other
     DirectCounts direct;
+    JointCounts joints;
     std::size_t deep = 0;        ///< points that began the step so deep that their push was limited by WorldDef::max_push
 
+    std::size_t asleep = 0;       ///< bodies that sleep after the step; pairs, manifolds and contacts above are without them
+    std::size_t fell_asleep = 0;  ///< since the step before, in this one included
+    std::size_t woken = 0;        ///< likewise
+
     std::optional<Balance> balance;      ///< where WorldDef::report_balance is on, unless the step quarantined a body
+    std::optional<ContactResidual> residual;  ///< where WorldDef::report_residual is on, under the same condition
     std::vector<BodyId> quarantined;     ///< bodies that went non-finite in this step: restored, stopped and out of the simulation
 
     [[nodiscard]] double ms(Stage stage) const noexcept { return stage_ms[static_cast<std::size_t>(stage)]; }

@@ -55,6 +55,7 @@ const char* fault_of(const BodyDef& def) {
     if (const char* fault = dynamics::fault_of_gravity_scale(def.gravity_scale)) return fault;
     if (const char* fault = dynamics::fault_of_damping(def.linear_damping, def.angular_damping)) return fault;
     if (const char* fault = dynamics::fault_of_locks(def.locked)) return fault;
+    if (!def.can_sleep && def.type != BodyType::Dynamic) return "only dynamic bodies sleep";
     return asks_for_more(def) && def.type != BodyType::Dynamic ? "gravity scale, damping and locked axes are of dynamic bodies" : nullptr;
 }
 
@@ -63,7 +64,9 @@ const char* fault_of(const ShapeDef& def) {
     if (!is_finite(def.density) || def.density <= 0.0) return "density must be positive";
     if (!is_finite(def.friction) || def.friction < 0.0f) return "friction must not be negative";
     if (!is_finite(def.restitution) || def.restitution < 0.0f || def.restitution > 1.0f) return "restitution must be in [0, 1]";
-    for (const std::optional<CombineRule>& rule : {def.friction_rule, def.restitution_rule}) {
+    if (!(def.rolling_resistance >= 0.0f && def.rolling_resistance <= 1e30f)) return "rolling_resistance must be within 0 .. 1e30 m";
+    if (!(def.torsion >= 0.0f && def.torsion <= 1e30f)) return "torsion must be within 0 .. 1e30 m";
+    for (const std::optional<CombineRule>& rule : {def.friction_rule, def.restitution_rule, def.rolling_rule}) {
         if (rule && *rule > CombineRule::Maximum) return "no such rule to combine by";
     }
     if (!is_finite(def.local) || !is_unit(def.local.orientation)) return "the local pose must be finite, of unit orientation";
@@ -88,9 +91,7 @@ Status validate(const WorldDef& def) {
     if (!(def.contact_reuse >= 0.0 && def.contact_reuse <= 0.1)) {
         return fault(is_finite(def.contact_reuse) ? ErrorCode::InvalidArgument : ErrorCode::NotFinite, "contact_reuse must lie in 0 .. 0.1");
     }
-    if (def.contact_method != ContactMethod::Automatic && def.contact_method != ContactMethod::Soft && def.contact_method != ContactMethod::Direct) {
-        return fault(ErrorCode::InvalidArgument, "no such contact method");
-    }
+    if (def.contact_method > ContactMethod::Impulses) return fault(ErrorCode::InvalidArgument, "no such contact method");
     if (!(def.direct_sag >= 1e-6 && def.direct_sag <= 0.01)) {
         return fault(is_finite(def.direct_sag) ? ErrorCode::InvalidArgument : ErrorCode::NotFinite, "direct_sag must lie in 1e-6 .. 0.01");
     }
@@ -101,13 +102,19 @@ Status validate(const WorldDef& def) {
     }
     if (!is_valid(def.broadphase)) return fault(ErrorCode::InvalidArgument, "no such broadphase");
     if (def.pair_limit < 1 || def.pair_limit > std::size_t{1} << 31) return fault(ErrorCode::InvalidArgument, "pair_limit must be in 1..2^31");
+    if (!(def.sleep.time >= 0.01 && def.sleep.time <= 1000.0)) {
+        return fault(is_finite(def.sleep.time) ? ErrorCode::InvalidArgument : ErrorCode::NotFinite, "sleep.time must lie in 0.01 .. 1000 s");
+    }
+    if (!(def.sleep.motion >= 1e-9 && def.sleep.motion <= 0.1)) {
+        return fault(is_finite(def.sleep.motion) ? ErrorCode::InvalidArgument : ErrorCode::NotFinite, "sleep.motion must lie in 1e-9 .. 0.1");
+    }
     if (def.plan != PlanMode::Automatic && def.plan != PlanMode::Everything) {
         return fault(ErrorCode::InvalidArgument, "no such plan mode");
     }
     return {};
 }
 
-World::Impl::Impl(const WorldDef& settings) : def(settings), broadphase({.method = settings.broadphase, .pair_limit = settings.pair_limit}) {}
+World::Impl::Impl(const WorldDef& settings) : def(settings), broadphase({.method = settings.broadphase, .pair_limit = settings.pair_limit}), sleepers(settings.sleep) {}
 
 World::World(const WorldDef& def) : impl_(std::make_unique<Impl>(checked(def))) {}
 World::~World() = default;
@@ -147,6 +154,7 @@ BodyId World::create_body(const BodyDef& def) {
     arrays.roles[id.slot] = dynamics::role_of(def.type);
     // Until it has shapes, a body moves as a kilogram with unit inertia.
     if (def.type == BodyType::Dynamic) impl_->assign_mass(id, {1.0, dvec3{0.0}, dmat3{1.0}});
+    if (impl_->sleepers.is_on()) impl_->sleepers.begin(id.slot, def.can_sleep, arrays.states[id.slot]);
     impl_->body_order.push_back(id);
     return id;
 }
@@ -156,6 +164,7 @@ void World::destroy_body(BodyId body) {
     CAROM_REQUIRE(record != nullptr, ErrorCode::DeadId, "no such body");
     if (!record->quarantined) impl_->take_out(body);
     for (const ShapeId shape : record->shapes) impl_->shapes.erase(shape);
+    impl_->joints.erase_of(body);
     impl_->arrays.roles[body.slot] = Role::Absent;
     impl_->bodies.erase(body);
     std::erase(impl_->body_order, body);
@@ -185,16 +194,18 @@ ShapeId World::add_shape(BodyId body, Shape shape, const ShapeDef& def) {
     }
     const ShapeId id = impl_->shapes.insert({body, std::move(shape), kept});
     record->shapes.push_back(id);
+    if (record->type == BodyType::Dynamic) impl_->wake(body);
     if (mass) impl_->assign_mass(body, *mass);
     if (record->quarantined) return id;
     const dynamics::ShapeRecord& added = *impl_->shapes.find(id);
-    impl_->census.count_shape(added.shape, added.def.restitution, +1);
+    impl_->census.count_shape(added.shape, added.def, +1);
     if (record->shapes.size() == 1) impl_->census.count_body(record->type, +1);
     if (mass) {
         impl_->put_proxies(body);  // the centre of mass is another
     } else {
         impl_->put_proxy(id);
     }
+    impl_->note_placed(body);
     return id;
 }
 
@@ -210,6 +221,7 @@ void World::set_mass_properties(BodyId body, const MassProperties& mass) {
     const Status status = check_mass_range(mass);
     CAROM_REQUIRE(status.ok(), status.error().code, status.error().message);
     CAROM_REQUIRE(glm::length(mass.center) <= kFarthest, ErrorCode::InvalidArgument, "the centre of mass is too far away");
+    impl_->wake(body);
     impl_->assign_mass(body, mass);
     impl_->arrays.masses[body.slot].given = true;
     if (!record->quarantined) impl_->put_proxies(body);
@@ -253,7 +265,11 @@ void World::Impl::put_proxy(ShapeId id) {
     const bool surface = type_of(s.shape) == ShapeType::TriangleMesh && arrays.roles[slot] != Role::Dynamic;
     proxy.extent = surface ? std::numeric_limits<double>::infinity() : smallest_extent(s.shape);
     proxy.surface = {s.def.friction, s.def.restitution, s.def.friction_rule, s.def.restitution_rule};
-    dynamics::put_proxy(proxies, std::move(proxy), ProxyFilter{s.def.layer, s.def.mask, arrays.roles[slot] == Role::Dynamic});
+    proxy.resistance = {s.def.rolling_resistance, s.def.torsion, s.def.rolling_rule};
+    // What is kinematic may wake what sleeps: pairs of the two are wanted.
+    const bool is_movable = arrays.roles[slot] == Role::Dynamic || (sleepers.is_on() && arrays.roles[slot] == Role::Kinematic);
+    dynamics::put_proxy(proxies, std::move(proxy), ProxyFilter{s.def.layer, s.def.mask, is_movable});
+    sleepers.note_shapes();
 }
 
 void World::Impl::put_proxies(BodyId body) {
@@ -262,10 +278,13 @@ void World::Impl::put_proxies(BodyId body) {
 
 void World::Impl::put_in(BodyId body) {
     put_proxies(body);
+    note_placed(body);
     count_body(body, +1);
 }
 
 void World::Impl::take_out(BodyId body) {
+    wake(body);
+    sleepers.note_shapes();
     for (const ShapeId id : bodies.find(body)->shapes) dynamics::drop_proxy(proxies, id.slot);
     count_body(body, -1);
 }
@@ -275,7 +294,7 @@ void World::Impl::count_body(BodyId body, int sign) {
     if (!record.shapes.empty()) census.count_body(record.type, sign);
     for (const ShapeId id : record.shapes) {
         const dynamics::ShapeRecord& shape = *shapes.find(id);
-        census.count_shape(shape.shape, shape.def.restitution, sign);
+        census.count_shape(shape.shape, shape.def, sign);
     }
 }
 

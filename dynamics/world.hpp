@@ -15,7 +15,9 @@
 #include <carom/core/pose.hpp>
 #include <carom/dynamics/body.hpp>
 #include <carom/dynamics/contact_method.hpp>
+#include <carom/dynamics/joint.hpp>
 #include <carom/dynamics/plan.hpp>
+#include <carom/dynamics/sleep_settings.hpp>
 #include <carom/dynamics/step_report.hpp>
 #include <carom/narrowphase/manifold.hpp>
 
@@ -49,6 +51,8 @@ struct WorldDef {
     std::size_t direct_budget = 20'000;  ///< products of 6 x 6 blocks, 0..2^32, that a factorisation of an island may take, at some 30 ns each
     bool relax = true;                ///< the pass that takes out the energy of the push
     bool report_balance = false;      ///< fill StepReport::balance
+    bool report_residual = false;     ///< fill StepReport::residual; costs one look at each body and contact
+    SleepSettings sleep{};            ///< off: every body is worked on in every step
 };
 
 /// @return InvalidArgument or NotFinite with a message that names the setting, where one is out of its range.
@@ -68,6 +72,7 @@ struct ContactView {
     dvec3 origin{0.0};                  ///< world position that the manifold's points are relative to, at the start of the step [m]
     const Manifold* manifold = nullptr;
     std::array<float, kMaxManifoldPoints> normal_impulse{};  ///< per point, of the last substep [N s]
+    std::array<vec3, kMaxManifoldPoints> friction_impulse{};   ///< the same, on B, world axes
 };
 
 struct ContactExplanation;  // <carom/dynamics/explain.hpp>
@@ -85,7 +90,7 @@ public:
     [[nodiscard]] const WorldDef& settings() const noexcept;
 
     BodyId create_body(const BodyDef& def = {});
-    /// Removes the body and its shapes.
+    /// Removes the body, its shapes and its joints.
     void destroy_body(BodyId body);
     /// Adds a shape; the mass of a dynamic body is then the sum over its shapes, and over the parts of compounds: of a closed mesh that of
     /// its solid, of an open one that of its hull. Planes only on static and kinematic bodies, and no flat mesh on a dynamic one: both are
@@ -93,8 +98,16 @@ public:
     /// reach farther than 1e30 m: the floats of solver and broadphase hold no others. set_mass_properties asks the same of masses.
     ShapeId add_shape(BodyId body, Shape shape, const ShapeDef& def = {});
 
+    /// Joins two bodies, or a body and the world: a BallJointDef or a SpringDef (joint.hpp). The bodies must be alive and unlike, and one of
+    /// them dynamic. Costs O(joints) at worst.
+    JointId create_joint(const JointDef& def);
+    void destroy_joint(JointId joint);
+
     [[nodiscard]] bool is_alive(BodyId body) const noexcept;
     [[nodiscard]] bool is_alive(ShapeId shape) const noexcept;
+    [[nodiscard]] bool is_alive(JointId joint) const noexcept;
+    /// @return the living joints, in order of creation; valid until a joint is created or destroyed.
+    [[nodiscard]] std::span<const JointId> joints() const noexcept;
     [[nodiscard]] std::size_t body_count() const noexcept;
     /// @return the living bodies, in order of creation; valid until a body is created or destroyed.
     [[nodiscard]] std::span<const BodyId> bodies() const noexcept;
@@ -113,6 +126,12 @@ public:
     [[nodiscard]] const Shape& shape(ShapeId shape) const;       ///< a unit sphere for a dead id, after the report
     [[nodiscard]] const ShapeDef& shape_def(ShapeId shape) const;
     [[nodiscard]] Pose shape_pose(ShapeId shape) const;          ///< in the world
+
+    [[nodiscard]] const JointDef& joint_def(JointId joint) const;  ///< a spring of no stiffness for a dead id, after the report
+    /// Where the joint is, with the bodies as they are.
+    [[nodiscard]] JointState joint_state(JointId joint) const;
+    /// Gives a joint other numbers or bodies; what create_joint() refuses is refused. What pushed it in the last step stays known.
+    void set_joint(JointId joint, const JointDef& def);
 
     /// Puts a quarantined body back into the simulation, in the state it has; nothing for any other body.
     void release(BodyId body);
@@ -136,18 +155,27 @@ public:
     /// Changes the velocity at once. @param impulse [N s], at the world point `point` [m].
     void apply_impulse(BodyId body, const dvec3& impulse, const dvec3& point);
 
+    /// @return false for a dynamic body that sleeps, true for any other. What sleeps stays where it is, at rest, until something wakes it and the
+    /// island that it is part of: a contact with what moves, a call that changes or pushes it, a body or shape under it that goes or is moved.
+    [[nodiscard]] bool is_awake(BodyId body) const;
+    /// Wakes a body's island; of a static or kinematic body all that sleeps on it. Time to fall asleep begins anew.
+    void wake(BodyId body);
+    /// Puts a body's whole island to sleep without waiting for SleepSettings::time, if all of it is at rest and held as docs/dynamics.md asks, and
+    /// some step has shown so. Misuse where WorldDef::sleep is off. @return whether it sleeps.
+    bool put_to_sleep(BodyId body);
+
     /// Advances by `dt` seconds. dt = 0 changes no bit; NaN, infinite or negative dt is refused. docs/step.md explains each stage.
     StepReport step(double dt);
 
     /// What the next step will run and skip, and who will find the pairs. @param dt its length [s], by which boxes go round the motion
     /// that it predicts; before the first step the method follows from the boxes. Refused like that of step().
     [[nodiscard]] Plan plan(double dt = 0.0) const;
-    /// Hash of every body's pose and velocities, in order of creation.
+    /// Hash of every body's pose and velocities, in order of creation; where WorldDef::sleep is on, also of who sleeps and who has been still how long.
     [[nodiscard]] std::uint64_t state_hash() const;
     [[nodiscard]] Energy energy() const;
     [[nodiscard]] Momentum momentum() const;
 
-    /// The contacts of the last step, in a fixed order.
+    /// The contacts of the last step, in a fixed order; then those that bodies asleep had when they fell asleep.
     [[nodiscard]] std::size_t contact_count() const noexcept;
     [[nodiscard]] ContactView contact(std::size_t index) const;
 

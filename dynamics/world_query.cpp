@@ -13,6 +13,9 @@ std::uint64_t World::state_hash() const {
         hash.add(state.pose);
         hash.add(state.velocity);
         hash.add(state.spin);
+        if (!impl_->sleepers.is_on()) continue;
+        hash.add(static_cast<std::uint64_t>(impl_->arrays.roles[body.slot]));
+        impl_->sleepers.add_to(hash, body.slot);
     }
     return hash.digest();
 }
@@ -20,12 +23,18 @@ std::uint64_t World::state_hash() const {
 Energy World::energy() const {
     Energy sum;
     for (const BodyId body : impl_->body_order) {
-        if (impl_->arrays.roles[body.slot] != dynamics::Role::Dynamic) continue;
+        if (!dynamics::has_mass(impl_->arrays.roles[body.slot])) continue;
         const dynamics::BodyState& state = impl_->arrays.states[body.slot];
         const dynamics::BodyMass& mass = impl_->arrays.masses[body.slot];
         sum.kinetic += 0.5 * mass.mass * glm::dot(state.velocity, state.velocity) +
                        0.5 * glm::dot(state.spin, dynamics::angular_momentum(state, mass));
         sum.potential -= mass.mass * glm::dot(impl_->def.gravity, state.pose.position);
+    }
+    for (const JointId joint : impl_->joints.order()) {
+        const SpringDef* spring = std::get_if<SpringDef>(&impl_->joints.find(joint)->def);
+        if (spring == nullptr) continue;
+        const double stretch = joint_state(joint).stretch;
+        sum.potential += 0.5 * spring->stiffness * stretch * stretch;
     }
     return sum;
 }
@@ -33,7 +42,7 @@ Energy World::energy() const {
 Momentum World::momentum() const {
     Momentum sum;
     for (const BodyId body : impl_->body_order) {
-        if (impl_->arrays.roles[body.slot] != dynamics::Role::Dynamic) continue;
+        if (!dynamics::has_mass(impl_->arrays.roles[body.slot])) continue;
         const dynamics::BodyState& state = impl_->arrays.states[body.slot];
         const dynamics::BodyMass& mass = impl_->arrays.masses[body.slot];
         const dvec3 linear = mass.mass * state.velocity;
@@ -43,15 +52,18 @@ Momentum World::momentum() const {
     return sum;
 }
 
-std::size_t World::contact_count() const noexcept { return impl_->contacts.manifolds.size(); }
+std::size_t World::contact_count() const noexcept { return impl_->contacts.manifolds.size() + impl_->sleepers.contacts().manifolds.size(); }
 
 const Broadphase& World::broadphase() const noexcept { return impl_->broadphase; }
 dvec3 World::broadphase_origin() const noexcept { return impl_->proxies.origin; }
 
 ContactView World::contact(std::size_t index) const {
     CAROM_REQUIRE(index < contact_count(), ErrorCode::InvalidArgument, "no contact of that index", {});
-    const Manifold& manifold = impl_->contacts.manifolds[index];
-    const dynamics::ContactPair& pair = impl_->contacts.pairs[manifold.pair];
+    const bool awake = index < impl_->contacts.manifolds.size();
+    const dynamics::ContactSet& set = awake ? impl_->contacts : impl_->sleepers.contacts();
+    const std::size_t number = awake ? index : index - impl_->contacts.manifolds.size();
+    const Manifold& manifold = set.manifolds[number];
+    const dynamics::ContactPair& pair = set.pairs[manifold.pair];
     ContactView view;
     view.shape_a = pair.shape_a;
     view.shape_b = pair.shape_b;
@@ -59,7 +71,11 @@ ContactView World::contact(std::size_t index) const {
     view.body_b = pair.body_b;
     view.origin = impl_->proxies.poses[pair.proxy_a].position;
     view.manifold = &manifold;
-    for (std::size_t k = 0; k < manifold.count; ++k) view.normal_impulse[k] = impl_->contacts.impulses[index][k].normal;
+    view.friction_impulse.fill(vec3{0.0f});
+    for (std::size_t k = 0; k < manifold.count; ++k) {
+        view.normal_impulse[k] = set.impulses[number][k].normal;
+        view.friction_impulse[k] = set.impulses[number][k].friction;
+    }
     return view;
 }
 

@@ -33,7 +33,9 @@ Pose World::Impl::body_pose(BodyId body) const {
 
 void World::Impl::place_body(BodyId body, const Pose& pose) {
     const Pose& principal = arrays.masses[body.slot].principal;
+    wake(body);
     arrays.states[body.slot].pose = principal == Pose{} ? pose : pose * principal;
+    note_placed(body);
     if (arrays.roles[body.slot] != dynamics::Role::Static) return;
     for (const ShapeId shape : bodies.find(body)->shapes) proxies.stale[shape.slot] = 1;
 }
@@ -103,6 +105,7 @@ void World::release(BodyId body) {
     impl_->bodies.find(body)->quarantined = false;
     impl_->arrays.roles[body.slot] = dynamics::role_of(record->type);
     impl_->put_in(body);
+    impl_->wake(body);
 }
 
 void World::set_pose(BodyId body, const Pose& pose) {
@@ -116,6 +119,7 @@ void World::set_linear_velocity(BodyId body, const dvec3& velocity) {
     CAROM_FIND_BODY(body);
     CAROM_REQUIRE(record->type != BodyType::Static, ErrorCode::WrongType, "static bodies have no velocity");
     CAROM_REQUIRE(is_finite(velocity), ErrorCode::NotFinite, "the velocity must be finite");
+    impl_->wake(body);
     impl_->arrays.states[body.slot].velocity = velocity;
     impl_->keep_locks(body.slot);
 }
@@ -123,6 +127,7 @@ void World::set_angular_velocity(BodyId body, const dvec3& velocity) {
     CAROM_FIND_BODY(body);
     CAROM_REQUIRE(record->type != BodyType::Static, ErrorCode::WrongType, "static bodies have no velocity");
     CAROM_REQUIRE(is_finite(velocity), ErrorCode::NotFinite, "the velocity must be finite");
+    impl_->wake(body);
     impl_->arrays.states[body.slot].spin = velocity;
     impl_->keep_locks(body.slot);
 }
@@ -142,12 +147,14 @@ void World::set_gravity_scale(BodyId body, double scale) {
     CAROM_FIND_DYNAMIC(body, "only dynamic bodies have a gravity scale");
     const char* fault = dynamics::fault_of_gravity_scale(scale);
     CAROM_REQUIRE(fault == nullptr, ErrorCode::InvalidArgument, fault);
+    impl_->wake(body);
     impl_->traits_of(body.slot).gravity_scale = scale;
 }
 void World::set_damping(BodyId body, double linear, double angular) {
     CAROM_FIND_DYNAMIC(body, "only dynamic bodies are damped");
     const char* fault = dynamics::fault_of_damping(linear, angular);
     CAROM_REQUIRE(fault == nullptr, ErrorCode::InvalidArgument, fault);
+    impl_->wake(body);
     dynamics::BodyTraits& traits = impl_->traits_of(body.slot);
     traits.linear_damping = linear;
     traits.angular_damping = angular;
@@ -156,6 +163,7 @@ void World::set_locked_axes(BodyId body, unsigned char locked) {
     CAROM_FIND_DYNAMIC(body, "only dynamic bodies have locked axes");
     const char* fault = dynamics::fault_of_locks(locked);
     CAROM_REQUIRE(fault == nullptr, ErrorCode::InvalidArgument, fault);
+    impl_->wake(body);
     static_cast<void>(impl_->traits_of(body.slot));
     impl_->arrays.masses[body.slot].locked = locked;
     impl_->keep_locks(body.slot);
@@ -177,6 +185,7 @@ void World::Impl::push(BodyId body, const dvec3& force, const dvec3& torque) {
     const dvec3 turn = dynamics::world_inverse_inertia(arrays.states[body.slot], mass) * all_torque;
     CAROM_REQUIRE(glm::length(mass.inverse_mass * all) <= dynamics::kMostSpeed && glm::length(turn) <= dynamics::kMostSpeed,
                   ErrorCode::InvalidArgument, "the force or the torque is too large for the body");
+    wake(body);
     traits_of(body.slot).force = all;
     traits_of(body.slot).torque = all_torque;
     pushed = true;
@@ -216,6 +225,7 @@ void World::apply_impulse(BodyId body, const dvec3& impulse, const dvec3& point)
     const dvec3 spin =
         state.spin + dynamics::world_inverse_inertia(state, mass) * glm::cross(point - state.pose.position, impulse);
     CAROM_REQUIRE(is_finite(velocity) && is_finite(spin), ErrorCode::InvalidArgument, "the impulse is too large for the body");
+    impl_->wake(body);
     state.velocity = velocity;
     state.spin = spin;
 }

@@ -35,13 +35,13 @@ Balance operator-(const Balance& after, const Balance& before) {
 
 }  // namespace
 
-// Moves every body that no contact holds, and the kinematic ones, over the whole step at once.
+// Moves every body that no contact and no joint holds, and the kinematic ones, over the whole step at once.
 void World::Impl::integrate_free_bodies(bool looked, double dt) {
     executor().parallel_for(arrays.roles.size(), kBodyGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t slot = begin; slot < end; ++slot) {
             const Role role = arrays.roles[slot];
             const auto number = static_cast<std::uint32_t>(slot);
-            const bool held = looked && (solver.holds(number) || direct.holds(number));
+            const bool held = joint_solver.holds(number) || (looked && (solver.holds(number) || direct.holds(number)));
             if (role != Role::Kinematic && (role != Role::Dynamic || held)) continue;
             dynamics::integrate_free(arrays.states[slot], arrays.masses[slot], free_motion(slot), dt);
         }
@@ -51,6 +51,11 @@ void World::Impl::integrate_free_bodies(bool looked, double dt) {
 void World::Impl::note_substep(double dt) noexcept {
     constexpr double kStiffening = 1.0 / 80.0;  // of the time that passes: over some ten periods of the contacts
     soft_substep = std::max(dt / def.substeps, soft_substep - kStiffening * dt);
+}
+
+// Contacts between bodies whose joint leaves them out.
+void World::Impl::drop_parted() {
+    std::erase_if(candidates, [&](const NumberedPair& pair) { return joints.parts(proxies.bodies[pair.a], proxies.bodies[pair.b]); });
 }
 
 void World::Impl::forget_pushes() {
@@ -72,7 +77,7 @@ void World::Impl::quarantine_unusable(double dt, StepReport& report) {
     last_valid.resize(arrays.states.size());
     for (const BodyId id : body_order) {
         const std::uint32_t slot = id.slot;
-        if (arrays.roles[slot] == Role::Absent) continue;
+        if (arrays.roles[slot] == Role::Absent || arrays.roles[slot] == Role::Asleep) continue;
         dynamics::BodyState& state = arrays.states[slot];
         if (dynamics::is_usable(state, dt) && can_be_pushed(slot, dt)) {
             last_valid[slot].id = id;
@@ -88,6 +93,61 @@ void World::Impl::quarantine_unusable(double dt, StepReport& report) {
     }
 }
 
+// Who touches whom, with the impulses of the step before.
+void World::Impl::find_contacts(dynamics::Step& step, const dynamics::Motion& motion) {
+    bool reuses = false;  // contacts of the step before
+    step.run(Stage::Bounds, [&] { dynamics::update_swept_bounds(proxies, arrays, motion, executor()); });
+    step.run(Stage::Pairs, [&] {
+        const ProxyChanges changes{proxies.boxes, proxies.filters, proxies.moved, proxies.removed};
+        const std::uint64_t last = broadphase.result().number;
+        const PairUpdate& found = broadphase.update(changes, executor());
+        if (found.number == last) {  // refused, which was reported: the next step asks again
+            candidates.clear();
+            return names.now.clear();
+        }
+        dynamics::note_listed(proxies);
+        step.report.boxes_given = changes.moved.size();
+        step.report.boxes_removed = changes.removed.size();
+        step.report.pairs_limited = found.status != PairStatus::Complete;
+        dynamics::list_candidates(proxies, arrays, found.pairs, motion.dt, executor(), candidates);
+        if (joints.parts_any()) drop_parted();
+        if (sleepers.is_on()) dynamics::Sleepers::drop_idle(proxies, arrays, candidates);
+        reuses = def.contact_reuse > 0.0 && dynamics::name_candidates(proxies, def.contact_reuse, candidates, names);
+        step.report.pairs = candidates.size();
+    });
+    step.run(Stage::Collide, [&] {
+        const PlacedShapes placed{proxies.shapes, proxies.poses};
+        std::vector<Manifold>& found = contacts.manifolds;
+        const CollideCounts counts =
+            reuses ? collide(placed, candidates, previous.manifolds, executor(), collide_scratch, found)
+                   : collide(placed, candidates, executor(), collide_scratch, found);
+        step.report.undecided = counts.undecided;
+        step.report.reused = counts.reused;
+        dynamics::link_manifolds(contacts, [&](std::uint32_t i) { return dynamics::contact_pair(proxies, candidates[i]); });
+        dynamics::carry_impulses(contacts, previous, impulse_scale(motion.dt));
+    });
+}
+
+// Contacts, and joints of bodies in contact, substep by substep.
+void World::Impl::solve_contacts(dynamics::Step& step, double dt) {
+    const bool joined = !joint_solver.shared().empty();  // to bodies in contact
+    solver.share(joint_solver.shared());
+    step.run(Stage::Prepare, [&] { solver.prepare(contacts, direct.held(), proxies, arrays, solver_settings(dt), executor()); });
+    for (int k = 0; k < def.substeps; ++k) {
+        const auto from = k == 0 ? dynamics::WarmStart::First : dynamics::WarmStart::Again;
+        step.run(Stage::Velocities, [&] { solver.integrate_velocities(from, executor()); });
+        if (k == 0) step.run(Stage::WarmStart, [&] { solver.warm_start(executor()); });
+        if (k == 0 && joined) step.run(Stage::Joints, [&] { joint_solver.warm_start(solver, executor()); });
+        step.run(Stage::Solve, [&] { solver.solve(true, executor()); });
+        if (joined) step.run(Stage::Joints, [&] { joint_solver.solve(solver, k, executor()); });
+        step.run(Stage::Positions, [&] { solver.integrate_positions(executor()); });
+        if (def.relax) step.run(Stage::Relax, [&] { solver.solve(false, executor()); });
+        if (joined && def.relax) step.run(Stage::Joints, [&] { joint_solver.relax(solver, k, executor()); });
+    }
+    step.run(Stage::Store, [&] { solver.store(arrays, contacts, executor()); });
+    count_contacts(step.report, contacts, solver);
+}
+
 StepReport World::step(double dt) {
     CAROM_REQUIRE(is_finite(dt), ErrorCode::NotFinite, "dt must be finite", {});
     CAROM_REQUIRE(dt >= 0.0, ErrorCode::InvalidArgument, "dt must not be negative", {});
@@ -99,9 +159,11 @@ StepReport World::step(double dt) {
     Executor& executor = w.executor();
     dynamics::Step step(dt);
     step.run(Stage::Quarantine, [&] { w.quarantine_unusable(dt, step.report); });
+    if (w.sleepers.is_on()) step.run(Stage::Sleep, [&] { w.wake_before_step(dt); });
     const dynamics::StepChoices choices = w.choose();
     const dynamics::Motion motion{w.def.gravity, dt};
     const Balance before = w.def.report_balance ? balance_of(*this) : Balance{};
+    if (w.def.report_residual) w.residual.remember(w.arrays);
     std::swap(w.contacts, w.previous);
     if (!choices.contacts) {  // otherwise each part is replaced below
         w.contacts.clear();
@@ -109,67 +171,50 @@ StepReport World::step(double dt) {
         w.direct.clear();
     }
 
-    bool reuses = false;  // contacts of the step before
     if (choices.contacts) {
-        step.run(Stage::Bounds, [&] { dynamics::update_swept_bounds(w.proxies, w.arrays, motion, executor); });
-        step.run(Stage::Pairs, [&] {
-            const ProxyChanges changes{w.proxies.boxes, w.proxies.filters, w.proxies.moved, w.proxies.removed};
-            const std::uint64_t last = w.broadphase.result().number;
-            const PairUpdate& found = w.broadphase.update(changes, executor);
-            if (found.number == last) {  // refused, which was reported: the next step asks again
-                w.candidates.clear();
-                return w.names.now.clear();
-            }
-            dynamics::note_listed(w.proxies);
-            step.report.boxes_given = changes.moved.size();
-            step.report.boxes_removed = changes.removed.size();
-            step.report.pairs_limited = found.status != PairStatus::Complete;
-            dynamics::list_candidates(w.proxies, w.arrays, found.pairs, dt, executor, w.candidates);
-            reuses = w.def.contact_reuse > 0.0 && dynamics::name_candidates(w.proxies, w.def.contact_reuse, w.candidates, w.names);
-            step.report.pairs = w.candidates.size();
-        });
-        step.run(Stage::Collide, [&] {
-            const PlacedShapes placed{w.proxies.shapes, w.proxies.poses};
-            std::vector<Manifold>& found = w.contacts.manifolds;
-            const CollideCounts counts =
-                reuses ? collide(placed, w.candidates, w.previous.manifolds, executor, w.collide_scratch, found)
-                       : collide(placed, w.candidates, executor, w.collide_scratch, found);
-            step.report.undecided = counts.undecided;
-            step.report.reused = counts.reused;
-            dynamics::link_manifolds(w.contacts, [&](std::uint32_t i) { return dynamics::contact_pair(w.proxies, w.candidates[i]); });
-            dynamics::carry_impulses(w.contacts, w.previous, w.impulse_scale(dt));
-        });
+        do w.find_contacts(step, motion);
+        while (w.wake_touched());  // again, with what woke
+    }
+    if (choices.joints) {
+        step.run(Stage::Joints, [&] { w.joint_solver.gather(w.joints, w.arrays, w.def.direct_budget); });
+    } else {
+        w.joint_solver.clear();
+    }
+    if (choices.contacts) {
         if (choices.restitution) {
-            step.run(Stage::Restitution, [&] { w.impacts.run(w.contacts, w.proxies, w.arrays, motion); });
+            step.run(Stage::Restitution, [&] { w.impacts.run(w.contacts, w.proxies, w.arrays, motion, w.joint_solver.jointed()); });
             step.report.impacts = w.impacts.count();
             step.report.impacts_left = w.impacts.left();
         }
         const dynamics::DirectStep direct_step = w.direct_step(dt);
-        const dynamics::DirectWorld islands{w.contacts, w.proxies, w.arrays};
+        const dynamics::DirectWorld islands{w.contacts, w.proxies, w.arrays, w.joint_solver.jointed()};
         bool stiff = false;
         step.run(Stage::Islands, [&] { stiff = w.direct.choose(islands, direct_step, {w.def.contact_method, w.def.direct_budget}); });
         if (stiff) step.run(Stage::Direct, [&] { w.direct.solve(islands, direct_step, executor); });
         step.report.direct = w.direct.counts();
-        step.run(Stage::Prepare, [&] { w.solver.prepare(w.contacts, w.direct.held(), w.proxies, w.arrays, w.solver_settings(dt), executor); });
-        for (int k = 0; k < w.def.substeps; ++k) {
-            const auto from = k == 0 ? dynamics::WarmStart::First : dynamics::WarmStart::Again;
-            step.run(Stage::Velocities, [&] { w.solver.integrate_velocities(from, executor); });
-            if (k == 0) step.run(Stage::WarmStart, [&] { w.solver.warm_start(executor); });
-            step.run(Stage::Solve, [&] { w.solver.solve(true, executor); });
-            step.run(Stage::Positions, [&] { w.solver.integrate_positions(executor); });
-            if (w.def.relax) step.run(Stage::Relax, [&] { w.solver.solve(false, executor); });
-        }
-        step.run(Stage::Store, [&] { w.solver.store(w.arrays, w.contacts, executor); });
-        count_contacts(step.report, w.contacts, w.solver);
+    }
+    if (choices.joints) {
+        step.run(Stage::Joints, [&] {
+            w.joint_solver.begin(w.joints, w.arrays, {w.contacts, w.direct.held()}, w.joint_step(dt));
+            w.joint_solver.run_alone(w.arrays, executor);
+        });
+    }
+    if (choices.contacts) w.solve_contacts(step, dt);
+    if (choices.joints) {
+        step.run(Stage::Joints, [&] { w.joint_solver.finish(w.joints); });
+        step.report.joints = w.joint_solver.counts();
     }
     step.run(Stage::Positions, [&] { w.integrate_free_bodies(choices.contacts, dt); });
     if (choices.contacts && choices.restitution) step.run(Stage::Restitution, [&] { w.impacts.place(w.arrays); });
+    if (w.def.report_residual) step.report.residual = w.residual.measure(w.contacts, w.proxies, w.arrays, {w.def.gravity, dt, w.def.substeps}, w.joint_solver.jointed());
     w.forget_pushes();
     step.run(Stage::Quarantine, [&] { w.quarantine_unusable(dt, step.report); });
 
+    if (w.sleepers.is_on()) step.run(Stage::Sleep, [&] { w.fall_asleep(dt, step.report); });
     w.last_substep = dt / w.def.substeps;
     w.looked_for_contacts = choices.contacts;
     step.report.step = ++w.steps;
+    if (!step.report.quarantined.empty()) step.report.residual.reset();
     if (w.def.report_balance && step.report.quarantined.empty()) step.report.balance = balance_of(*this) - before;
     return step.finish();
 }

@@ -1,5 +1,6 @@
 // Reads scenes from JSON files.
 #include <carom/collision/mass_properties.hpp>
+#include <carom/scenes/detail/file_joints.hpp>
 #include <carom/scenes/detail/file_shapes.hpp>
 #include <carom/scenes/detail/json_fields.hpp>
 #include <carom/scenes/detail/json_tree.hpp>
@@ -12,6 +13,7 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <optional>
 #include <utility>
 
 namespace carom::scenes {
@@ -94,6 +96,7 @@ void read_traits(Fields& fields, BodyDef& def) {
     if (const auto given = find("linear_damping")) def.linear_damping = detail::number(*given, 0.0, 1e9);
     if (const auto given = find("angular_damping")) def.angular_damping = detail::number(*given, 0.0, 1e9);
     if (const auto given = find("locked")) def.locked = read_locked(*given);
+    if (const auto given = find("can_sleep")) def.can_sleep = detail::boolean(*given);
 }
 
 FileBody read_body(const Node& node) {
@@ -141,9 +144,11 @@ SceneRun read_root(const Node& root, const std::string& path, const SceneOptions
     if (const auto given = fields.find("dt")) run.dt = detail::positive(*given);
     if (const auto given = fields.find("steps")) run.steps = detail::integer(*given, 0, 1'000'000'000);
     if (const auto given = fields.find("substeps")) def.substeps = detail::integer(*given, 1, 1024);
+    if (const auto given = fields.find("sleep")) def.sleep.enabled |= detail::boolean(*given);
     if (const auto given = fields.find("domain")) run.domain = read_domain(*given);
     def.substeps = options.substeps.value_or(def.substeps);
     const Node bodies = fields.require("bodies");
+    const std::optional<Node> joints = fields.find("joints");
     fields.done();
 
     const std::size_t count = detail::array(bodies).size();
@@ -158,6 +163,9 @@ SceneRun read_root(const Node& root, const std::string& path, const SceneOptions
         for (const FileShape& shape : body.shapes) run.world.add_shape(id, shape.shape, shape.def);
         // Shapes move the centre of mass, and with it the point whose velocity the file gives.
         if (body.def.type == BodyType::Dynamic) run.world.set_linear_velocity(id, body.def.linear_velocity);
+    }
+    for (std::size_t i = 0; joints && i < detail::array(*joints).size(); ++i) {
+        run.world.create_joint(detail::read_joint(element(*joints, i), run.world));
     }
     return run;
 }

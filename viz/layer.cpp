@@ -12,6 +12,7 @@ const char* to_string(Layer layer) noexcept {
         case Layer::Bounds: return "bounds";
         case Layer::Bvh: return "bvh";
         case Layer::Names: return "names";
+        case Layer::Joints: return "joints";
     }
     return "unknown";
 }

@@ -15,10 +15,11 @@ enum class Layer : unsigned char {
     Bounds,    ///< the box of each bounded shape
     Bvh,       ///< the boxes of each mesh's hierarchy
     Names,     ///< the name of each body that has one, at its centre of mass
+    Joints,    ///< from each body's centre of mass to its anchor, and from anchor to anchor
 };
-inline constexpr int kLayerCount = 8;
+inline constexpr int kLayerCount = 9;
 
-/// @return the name of the layer in a frame: "static", "shapes", "contacts", "normals", "impulses", "bounds", "bvh", "names".
+/// @return the name of the layer in a frame: "static", "shapes", "contacts", "normals", "impulses", "bounds", "bvh", "names", "joints".
 [[nodiscard]] const char* to_string(Layer layer) noexcept;
 
 /// @return the layer's bit in DebugFrameSettings::layers.

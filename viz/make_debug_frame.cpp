@@ -9,6 +9,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+#include <variant>
 #include <vector>
 
 namespace carom {
@@ -20,6 +22,7 @@ constexpr Color kTouching{222, 48, 40, 255};
 constexpr Color kApart{60, 132, 214, 255};
 constexpr Color kNormal{30, 36, 52, 255};
 constexpr Color kImpulse{226, 132, 20, 255};
+constexpr Color kJoint{150, 60, 170, 255};
 constexpr Color kBounds{96, 106, 124, 255};
 constexpr Color kBvhRoot{40, 70, 140, 255};
 constexpr Color kBvhLeaf{60, 170, 110, 255};
@@ -47,6 +50,8 @@ public:
             if (wants(Layer::Names)) add_name(body);
         }
         add_contacts();
+        if (!wants(Layer::Joints)) return;
+        for (const JointId joint : world_.joints()) add_joint(joint);
     }
 
 private:
@@ -157,6 +162,19 @@ private:
         }
     }
 
+    void add_joint(JointId joint) {
+        const JointDef& def = world_.joint_def(joint);
+        const JointState state = world_.joint_state(joint);
+        const auto [a, b] = std::visit([](const auto& d) { return std::pair{d.body_a, d.body_b}; }, def);
+        const BodyId shown = b && moves(b) ? b : a;
+        const auto line = [&](const dvec3& from, const dvec3& to) {
+            if (from != to) layer(Layer::Joints).lines.push_back({vec3(local(from)), vec3(local(to)), kJoint, shown});
+        };
+        if (a) line(world_.center_of_mass(a), state.anchor_a);
+        line(state.anchor_a, state.anchor_b);
+        if (b) line(state.anchor_b, world_.center_of_mass(b));
+    }
+
     const World& world_;
     const DebugFrameSettings& settings_;
     DebugFrame& frame_;
@@ -169,8 +187,8 @@ std::vector<DebugLayer> make_layers() {
         const auto which = static_cast<Layer>(i);
         DebugLayer& layer = layers[static_cast<std::size_t>(i)];
         layer.name = to_string(which);
-        layer.visible = which == Layer::Static || which == Layer::Shapes || which == Layer::Contacts || which == Layer::Normals;
-        layer.on_top = which == Layer::Contacts || which == Layer::Normals || which == Layer::Impulses;
+        layer.visible = which == Layer::Static || which == Layer::Shapes || which == Layer::Contacts || which == Layer::Normals || which == Layer::Joints;
+        layer.on_top = which == Layer::Joints || which == Layer::Contacts || which == Layer::Normals || which == Layer::Impulses;
         layer.hide_backs = which == Layer::Static;
         layer.line_width = which == Layer::Impulses ? 3.0f : 1.5f;
     }

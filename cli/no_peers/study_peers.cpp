@@ -3,5 +3,6 @@
 namespace carom::cli {
 
 std::vector<accuracy::RayCaster> study_ray_peers() { return {}; }
+std::vector<accuracy::EngineMaker> study_engine_peers() { return {}; }
 
 }  // namespace carom::cli

@@ -60,6 +60,7 @@ void ContactSolver::prepare(const ContactSet& contacts, std::span<const unsigned
     executor.parallel_for(bundles_.size(), kBundleGrain, [&](std::size_t begin, std::size_t end) {
         prepare_bundles(std::span{bundles_}.subspan(begin, end - begin), input);
     });
+    settings.resists ? rolling_.list({contacts, proxies, rows_, bundles_}, h) : rolling_.clear();
     deep_count_ = 0;
     for (const ContactBundle& bundle : bundles_) deep_count_ += static_cast<std::size_t>(bundle.deep);
 }
@@ -76,6 +77,7 @@ void ContactSolver::assign_rows(const ContactSet& contacts, std::span<const unsi
     for (std::size_t slot = 0; slot < held.size(); ++slot) {
         if (held[slot] != 0) row_of_slot_[slot] = kNoRow;
     }
+    for (const std::uint32_t slot : shared_) row_of_slot_[slot] = kTouched;
     slot_of_row_.clear();
     for (const Role role : {Role::Dynamic, Role::Kinematic}) {
         for (std::uint32_t slot = 0; slot < row_of_slot_.size(); ++slot) {
@@ -116,6 +118,7 @@ void ContactSolver::fill_sides(const ProxySet& proxies, const BodyArrays& bodies
         for (std::size_t slot = begin; slot < end; ++slot) {
             if (proxies.kinds[slot] == ProxyKind::None) continue;
             const Proxy& proxy = proxies.by_slot[slot];
+            if (bodies.roles[proxy.body] == Role::Asleep) continue;
             const std::int32_t row = row_of_slot_[proxy.body];
             sides_[slot] = {.origin = proxies.poses[slot].position,
                             .centre = bodies.states[proxy.body].pose.position,
@@ -226,12 +229,14 @@ void ContactSolver::for_each_color(Executor& executor, const Pass& pass) {
 
 void ContactSolver::warm_start(Executor& executor) {
     for_each_color(executor, [&](std::span<ContactBundle> bundles) { dynamics::warm_start(bundles, rows_); });
+    rolling_.warm_start(rows_);
     rules_.lock(rows_);
 }
 
 void ContactSolver::solve(bool bias, Executor& executor) {
     const SolveSettings settings{.inverse_h = static_cast<float>(1.0 / settings_.substep()), .bias = bias, .gaps_known = gaps_known_};
     for_each_color(executor, [&](std::span<ContactBundle> bundles) { dynamics::solve(bundles, rows_, settings); });
+    rolling_.solve(rows_, bundles_);
     rules_.lock(rows_);
     gaps_known_ = true;
 }

@@ -15,6 +15,7 @@
 #include <carom/dynamics/detail/contact_set.hpp>
 #include <carom/dynamics/detail/part_surface.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
+#include <carom/dynamics/detail/rolling_rows.hpp>
 #include <carom/dynamics/detail/row_rules.hpp>
 
 #include <cstdint>
@@ -30,6 +31,7 @@ struct SolverSettings {
     double contact_rate = 0.1875;  ///< frequency of soft contacts over the substep rate
     double damping = 1.0;
     double max_push = 0.1;         ///< share of the smallest extent a step
+    bool resists = false;          ///< some shape resists to rolling or spinning
     [[nodiscard]] double substep() const noexcept { return dt / substeps; }
 };
 
@@ -39,6 +41,12 @@ public:
     /// @param held  by slot: 1 for bodies that others have moved in this step, whose contacts are left out; empty where there are none.
     void prepare(const ContactSet& contacts, std::span<const unsigned char> held, const ProxySet& proxies, const BodyArrays& bodies,
                  const SolverSettings& settings, Executor& executor);
+
+    /// Slots of dynamic bodies that prepare() takes in whether they have contacts or not: others work on their rows too.
+    void share(std::span<const std::uint32_t> slots) { shared_.assign(slots.begin(), slots.end()); }
+    /// The row of a body that holds(), between passes.
+    [[nodiscard]] SolverBody& body(std::uint32_t slot) noexcept { return rows_.bodies[static_cast<std::size_t>(row_of_slot_[slot])]; }
+    [[nodiscard]] const SolverBody& body(std::uint32_t slot) const noexcept { return rows_.bodies[static_cast<std::size_t>(row_of_slot_[slot])]; }
 
     void integrate_velocities(WarmStart warm_start, Executor& executor);
     /// Of the first substep: from then on integrate_velocities() does it.
@@ -83,8 +91,10 @@ private:
     SoftContact soft_, soft_fixed_;
     SolverBodies rows_;
     RowRules rules_;
+    RollingRows rolling_;
     std::vector<std::uint32_t> slot_of_row_;
     std::vector<std::int32_t> row_of_slot_;
+    std::vector<std::uint32_t> shared_;
     std::vector<Side> sides_;                  // by slot of shapes
     std::vector<ManifoldRow> manifold_rows_;   // and one for unused lanes
     std::vector<ContactRows> contact_rows_;    // per manifold

@@ -37,12 +37,15 @@ double least_load(const ContactPair& pair, const BodyArrays& bodies, const dvec3
     return std::max(glm::length(gravity) / inverse, kLeastOfIsland * most);
 }
 
-/// Whether the bodies are free to move and do not bounce: what is locked or flies is the soft solver's.
+/// Whether the bodies are free to move, do not bounce and roll without resistance: what is locked, joined, flies or resists is the soft solver's.
 bool is_plain(const DirectWorld& world, std::span<const std::uint32_t> bodies, std::span<const std::uint32_t> manifolds) {
     for (const std::uint32_t m : manifolds) {
-        if (world.contacts.pairs[world.contacts.manifolds[m].pair].flies) return false;
+        const ContactPair& pair = world.contacts.pairs[world.contacts.manifolds[m].pair];
+        if (pair.flies || resists(world.proxies.by_slot[pair.proxy_a].resistance) || resists(world.proxies.by_slot[pair.proxy_b].resistance)) return false;
     }
-    return std::ranges::all_of(bodies, [&](std::uint32_t slot) { return world.bodies.masses[slot].locked == LockedAxes::None; });
+    return std::ranges::all_of(bodies, [&](std::uint32_t slot) {
+        return world.bodies.masses[slot].locked == LockedAxes::None && (world.jointed.empty() || world.jointed[slot] == 0);
+    });
 }
 
 SagLaw law_of(const DirectStep& step) { return {step.gravity, step.dt, step.substep(), step.contact_rate, kSagShare}; }
@@ -64,16 +67,18 @@ bool DirectIslands::choose(const DirectWorld& world, const DirectStep& step, con
     counts_ = {};
     tasks_.clear();
     const std::uint64_t number = step_++;
-    if (choice.method == ContactMethod::Soft || glm::length(step.gravity) == 0.0) return false;
-    const bool all = choice.method == ContactMethod::Direct;
+    method_ = choice.method;
+    const bool impulses = choice.method == ContactMethod::Impulses;
+    if (choice.method == ContactMethod::Soft || (!impulses && glm::length(step.gravity) == 0.0)) return false;
+    const bool all = impulses || choice.method == ContactMethod::Direct;
     if (!all && many && number % kLookEvery != 0) return false;
-    if (!stiff_.look(world.contacts, world.proxies, world.bodies, law_of(step), held_before_) && !all) return false;
+    if (!impulses && !stiff_.look(world.contacts, world.proxies, world.bodies, law_of(step), held_before_) && !all) return false;
     if (all) all_.assign(world.contacts.manifolds.size(), 1);
     links_.link(world.contacts, world.bodies.roles);
     links_.gather(world.contacts, world.bodies.roles, all ? all_ : stiff_.marks());
     local_of_slot_.assign(world.bodies.roles.size(), kNoBody);
     std::erase_if(memories_, [&](const std::unique_ptr<Memory>& m) { return m->last_step + kForgetAfter < step_; });
-    for (const Island& island : links_.islands()) consider(island, world, step, choice);
+    for (const Island& island : links_.islands()) impulses ? put_down(island, world, step) : consider(island, world, step, choice);
     return !tasks_.empty();
 }
 
@@ -141,6 +146,18 @@ void DirectIslands::consider(const Island& island, const DirectWorld& world, con
     tasks_.push_back({island, &memory});
 }
 
+void DirectIslands::put_down(const Island& island, const DirectWorld& world, const DirectStep& step) {
+    const std::span<const std::uint32_t> bodies = links_.bodies(island), manifolds = links_.manifolds(island);
+    if (!is_plain(world, bodies, manifolds)) return;
+    const IslandShape shape = look_at_island(world, bodies, manifolds, step);
+    if (shape.impact) return;
+    for (std::size_t i = 0; i < bodies.size(); ++i) local_of_slot_[bodies[i]] = static_cast<std::int32_t>(i);
+    Memory& memory = memory_of(bodies.front());
+    memory.stiffness = {kSlopShare * shape.extent, kBaumgarteSteps * step.dt, {}};
+    memory.loads.assign(manifolds.size(), 1.0);  // of no meaning where contacts are rigid
+    tasks_.push_back({island, &memory});
+}
+
 bool DirectIslands::analyse(Memory& memory, const Island& island, const DirectWorld& world, const DirectStep& step, std::size_t budget) {
     const std::span<const std::uint32_t> bodies = links_.bodies(island), manifolds = links_.manifolds(island);
     for (std::size_t i = 0; i < bodies.size(); ++i) local_of_slot_[bodies[i]] = static_cast<std::int32_t>(i);
@@ -164,22 +181,44 @@ bool DirectIslands::analyse(Memory& memory, const Island& island, const DirectWo
     return memory.analysed;
 }
 
+bool DirectIslands::solve_directly(Memory& memory, const IslandLists& island, const DirectWorld& world, const DirectStep& step) {
+    fill_problem(world, island, memory.stiffness, step, memory.problem);
+    memory.result = memory.newton.solve(memory.problem, memory.stiffness.tolerances);
+    if (memory.result.converged) return true;
+    // What stopped a fall in the step before is no force to start from.
+    for (const std::uint32_t m : island.manifolds) world.contacts.impulses[m] = {};
+    return false;
+}
+
+void DirectIslands::solve_by_impulses(Memory& memory, const IslandLists& island, const DirectWorld& world, const DirectStep& step) {
+    fill_problem(world, island, memory.stiffness, step, memory.problem);
+    const double slop = memory.stiffness.sag / (step.dt + memory.stiffness.relaxation);
+    for (DirectContact& c : memory.problem.contacts) {
+        if (c.bias < 0.0) c.bias = std::min(c.bias + slop, 0.0);
+    }
+    guess_impulses(world, island.manifolds, step, memory.problem);
+    memory.impulses.solve(memory.problem, step.substeps);
+}
+
 void DirectIslands::solve(const DirectWorld& world, const DirectStep& step, Executor& executor) {
     executor.parallel_for(tasks_.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             Memory& memory = *tasks_[i].memory;
             const std::span<const std::uint32_t> bodies = links_.bodies(tasks_[i].island), manifolds = links_.manifolds(tasks_[i].island);
-            fill_problem(world, {bodies, manifolds, local_of_slot_, memory.loads}, memory.stiffness, step, memory.problem);
-            memory.result = memory.newton.solve(memory.problem, memory.stiffness.tolerances);
-            if (!memory.result.converged) {
-                // What stopped a fall in the step before is no force to start from.
-                for (const std::uint32_t m : manifolds) world.contacts.impulses[m] = {};
+            const IslandLists island{bodies, manifolds, local_of_slot_, memory.loads};
+            if (method_ == ContactMethod::Impulses) {
+                solve_by_impulses(memory, island, world, step);
+            } else if (!solve_directly(memory, island, world, step)) {
                 continue;
             }
             apply_solution(memory.problem, bodies, manifolds, step, world);
             for (const std::uint32_t slot : bodies) held_[slot] = 1;
         }
     });
+    if (method_ == ContactMethod::Impulses) {
+        any_held_ = true;
+        return;
+    }
     for (const Task& task : tasks_) {
         Memory& memory = *task.memory;
         counts_.iterations += static_cast<std::size_t>(memory.result.iterations);

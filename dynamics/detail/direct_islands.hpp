@@ -9,6 +9,7 @@
 #include <carom/dynamics/detail/direct_newton.hpp>
 #include <carom/dynamics/detail/direct_setup.hpp>
 #include <carom/dynamics/detail/island_links.hpp>
+#include <carom/dynamics/detail/sequential_impulses.hpp>
 #include <carom/dynamics/detail/stiff_contacts.hpp>
 #include <carom/dynamics/step_report.hpp>
 
@@ -26,7 +27,7 @@ struct DirectChoice {
 
 class DirectIslands {
 public:
-    /// Finds the islands whose contacts would sag too far, or all of them with ContactMethod::Direct.
+    /// Finds the islands whose contacts would sag too far, or all of them with ContactMethod::Direct and ContactMethod::Impulses.
     /// @return whether there are any that solve() should try.
     bool choose(const DirectWorld& world, const DirectStep& step, const DirectChoice& choice);
     /// Solves those. Where a solve converges it moves the bodies and writes the impulses; otherwise the bodies stay as they are, and the soft
@@ -55,6 +56,7 @@ private:
         std::vector<double> loads;  // that the stiffness of each manifold was chosen for [N]
         DirectProblem problem;
         DirectNewton newton;
+        SequentialImpulses impulses;
         IslandStiffness stiffness;
         DirectResult result;
     };
@@ -64,10 +66,16 @@ private:
     };
     Memory& memory_of(std::uint32_t root);
     void consider(const Island& island, const DirectWorld& world, const DirectStep& step, const DirectChoice& choice);
+    /// The island is put down for sequential impulses, unless it bounces.
+    void put_down(const Island& island, const DirectWorld& world, const DirectStep& step);
+    /// @return whether it converged.
+    static bool solve_directly(Memory& memory, const IslandLists& island, const DirectWorld& world, const DirectStep& step);
+    static void solve_by_impulses(Memory& memory, const IslandLists& island, const DirectWorld& world, const DirectStep& step);
     [[nodiscard]] bool analyse(Memory& memory, const Island& island, const DirectWorld& world, const DirectStep& step, std::size_t budget);
     void leave_alone(Memory& memory, std::uint64_t most) const noexcept;
 
     std::uint64_t step_ = 0;
+    ContactMethod method_ = ContactMethod::Automatic;
     IslandLinks links_;
     StiffContacts stiff_;
     std::vector<unsigned char> all_;  // marks of every manifold, with ContactMethod::Direct

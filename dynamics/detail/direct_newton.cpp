@@ -1,5 +1,7 @@
 #include <carom/dynamics/detail/direct_newton.hpp>
 
+#include <carom/dynamics/detail/block_rows.hpp>
+
 #include <algorithm>
 #include <cmath>
 
@@ -18,27 +20,6 @@ constexpr double kRounding = 1e-13;
 
 std::size_t as_index(std::int32_t i) { return static_cast<std::size_t>(i); }
 
-/// The matrix of r × · is [r]; glm goes by columns.
-dmat3 cross_matrix(const dvec3& r) { return {{0.0, r.z, -r.y}, {-r.z, 0.0, r.x}, {r.y, -r.x, 0.0}}; }
-
-/// Rows `row`.. and columns `column`.. of the block += m.
-void add(Block6& block, int row, int column, const dmat3& m) {
-    for (int c = 0; c < 3; ++c) {
-        for (int r = 0; r < 3; ++r) block.at(row + r, column + c) += m[c][r];
-    }
-}
-
-/// block += sign * (J of a body with arm `left`)ᵀ g (J of one with arm `right`), J = [1, -[arm]].
-void add_coupling(Block6& block, const dmat3& g, const dvec3& left, const dvec3& right, double sign) {
-    const dmat3 turned = glm::transpose(cross_matrix(right));  // -[right]
-    const dmat3 upper_right = sign * (g * turned);
-    const dmat3 arm = sign * cross_matrix(left);  // ([left]ᵀ)ᵀ: (-[left])ᵀ = [left]
-    add(block, 0, 0, sign * g);
-    add(block, 0, 3, upper_right);
-    add(block, 3, 0, arm * g);
-    add(block, 3, 3, arm * (g * turned));
-}
-
 dvec3 velocity_at(const DirectBody& body, const dvec3& arm) { return body.velocity + glm::cross(body.spin, arm); }
 
 dvec3 relative_velocity(const DirectProblem& problem, const DirectContact& c) {
@@ -52,9 +33,6 @@ double slip_speed(const DirectProblem& problem, const DirectContact& c) {
     const dvec3 u = relative_velocity(problem, c);
     return glm::length(u - glm::dot(u, c.normal) * c.normal);
 }
-
-dvec3 linear_part(const Vector6& x) { return {x[0], x[1], x[2]}; }
-dvec3 angular_part(const Vector6& x) { return {x[3], x[4], x[5]}; }
 
 }  // namespace
 

@@ -68,7 +68,7 @@ IslandShape look_at_island(const DirectWorld& world, std::span<const std::uint32
     IslandShape shape;
     shape.extent = std::numeric_limits<double>::infinity();
     const double pull = glm::length(step.gravity);
-    const dvec3 down = step.gravity / pull;
+    const dvec3 down = pull > 0.0 ? step.gravity / pull : dvec3{0.0};
     double lowest = -std::numeric_limits<double>::infinity(), highest = -lowest, mass = 0.0, speed_sq = 0.0;
     for (const std::uint32_t slot : bodies) {
         const BodyState& state = world.bodies.states[slot];
@@ -145,6 +145,16 @@ void fill_problem(const DirectWorld& world, const IslandLists& island, const Isl
             const dvec3 friction = static_cast<double>(step.substeps) * dvec3{world.contacts.impulses[m][k].friction};
             c.friction_guess = friction - glm::dot(friction, c.normal) * c.normal;
             problem.contacts.push_back(c);
+        }
+    }
+}
+
+void guess_impulses(const DirectWorld& world, std::span<const std::uint32_t> manifolds, const DirectStep& step, DirectProblem& problem) {
+    std::size_t next = 0;
+    for (const std::uint32_t m : manifolds) {
+        for (std::size_t k = 0; k < world.contacts.manifolds[m].count; ++k) {
+            DirectContact& c = problem.contacts[next++];
+            c.impulse = step.substeps * static_cast<double>(world.contacts.impulses[m][k].normal) * c.normal + c.friction_guess;
         }
     }
 }

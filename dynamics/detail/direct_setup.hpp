@@ -11,7 +11,7 @@
 namespace carom::dynamics {
 
 struct DirectStep {
-    dvec3 gravity{0.0};     ///< [m/s²], not zero
+    dvec3 gravity{0.0};     ///< [m/s²]; not zero for what is solved directly
     double dt = 0.0;        ///< [s]
     double long_dt = 0.0;   ///< of the longest of late, >= dt: overlap that it left is pushed out as slowly as in it [s]
     int substeps = 8;       ///< of the soft solver: impulses of contacts are kept as of one
@@ -26,6 +26,7 @@ struct DirectWorld {
     ContactSet& contacts;
     const ProxySet& proxies;
     BodyArrays& bodies;
+    std::span<const unsigned char> jointed{};  ///< by slot: 1 for bodies with joints; empty where there are none
 };
 
 /// How an island moves and how large it is.
@@ -56,6 +57,9 @@ struct IslandLists {
 };
 void fill_problem(const DirectWorld& world, const IslandLists& island, const IslandStiffness& stiffness, const DirectStep& step,
                   DirectProblem& problem);
+
+/// Gives the contacts of a filled problem the impulses of the step before.
+void guess_impulses(const DirectWorld& world, std::span<const std::uint32_t> manifolds, const DirectStep& step, DirectProblem& problem);
 
 /// Moves the bodies and keeps the impulses.
 void apply_solution(const DirectProblem& problem, std::span<const std::uint32_t> bodies, std::span<const std::uint32_t> manifolds,

@@ -11,6 +11,8 @@ const char* to_string(Rung rung) noexcept {
         case Rung::SameBody: return "same body";
         case Rung::NoShapes: return "no shapes";
         case Rung::Filter: return "filter";
+        case Rung::Asleep: return "asleep";
+        case Rung::Joined: return "joined";
         case Rung::NoStep: return "no step";
         case Rung::OutOfStep: return "out of step";
         case Rung::Bounds: return "bounds";
@@ -130,9 +132,14 @@ std::string sentence_of(const ContactExplanation& why) {
     if (why.rung == Rung::NoShapes) return "they do not touch because one of them has no shapes";
     const ShapePairExplanation& pair = why.pairs[why.deciding];
     if (pair.rung == Rung::Touch) return "they touch because " + touch_text(*pair.found, *pair.contact);
+    if (pair.rung == Rung::Asleep && pair.found->points > 0) {
+        return "they touch as they did when they fell asleep, with " + count_of(pair.found->points, "point") + " of contact; nothing that moves has come to them since";
+    }
     const std::string no = "they do not touch because ";
     switch (pair.rung) {
         case Rung::Filter: return no + filter_text(*pair.filter);
+        case Rung::Asleep: return no + "one of them sleeps, they did not when it fell asleep, and neither has moved since";
+        case Rung::Joined: return no + "a joint of their bodies leaves contacts between them out";
         case Rung::NoStep:
             return no + (why.step == 0 ? "no step has been done yet" : "the last step looked for no contacts: no two shapes could meet");
         case Rung::OutOfStep: return no + "the last step did not know both shapes as they are: one came, changed or is quarantined";

@@ -228,7 +228,7 @@ bool Impacts::stays_apart(const Bouncer& bouncer, const BodyArrays& bodies) cons
     return true;
 }
 
-void Impacts::mark_flying(ContactSet& contacts, const BodyArrays& bodies) {
+void Impacts::mark_flying(ContactSet& contacts, const BodyArrays& bodies, std::span<const unsigned char> jointed) {
     for (const Bouncer& bouncer : bouncers_) contacts.pairs[bouncer.pair].flies = true;
     for (const Bouncer& bouncer : bouncers_) {
         if (!stays_apart(bouncer, bodies)) contacts.pairs[bouncer.pair].flies = false;
@@ -239,6 +239,9 @@ void Impacts::mark_flying(ContactSet& contacts, const BodyArrays& bodies) {
         flyers_[f].held = true;
         stack_.push_back(f);
     };
+    for (std::uint32_t f = 0; f < flyers_.size() && !jointed.empty(); ++f) {
+        if (jointed[flyers_[f].slot] != 0) hold(f);
+    }
     std::size_t next = 0;  // bouncers come in the order of their pairs
     for (std::uint32_t p = 0; p < contacts.pairs.size(); ++p) {
         ContactPair& pair = contacts.pairs[p];
@@ -265,7 +268,7 @@ void Impacts::mark_flying(ContactSet& contacts, const BodyArrays& bodies) {
     }
 }
 
-void Impacts::run(ContactSet& contacts, const ProxySet& proxies, BodyArrays& bodies, const Motion& motion) {
+void Impacts::run(ContactSet& contacts, const ProxySet& proxies, BodyArrays& bodies, const Motion& motion, std::span<const unsigned char> jointed) {
     gravity_ = motion.gravity;
     dt_ = motion.dt;
     count_ = left_ = 0;
@@ -290,7 +293,7 @@ void Impacts::run(ContactSet& contacts, const ProxySet& proxies, BodyArrays& bod
         bodies.states[flyer.slot].velocity = flyer.velocity;
         bodies.states[flyer.slot].spin = flyer.spin;
     }
-    mark_flying(contacts, bodies);
+    mark_flying(contacts, bodies, jointed);
 }
 
 void Impacts::place(BodyArrays& bodies) const {

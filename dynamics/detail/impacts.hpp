@@ -35,7 +35,8 @@ class Impacts {
 public:
     /// Gives the bodies the velocities after their impacts. Marks ContactPair::flies where the two only pass or bounce off each other, and nothing else
     /// holds either of them: they are not the solver's.
-    void run(ContactSet& contacts, const ProxySet& proxies, BodyArrays& bodies, const Motion& motion);
+    /// @param jointed  by slot: 1 for bodies that joints hold; empty where there are none.
+    void run(ContactSet& contacts, const ProxySet& proxies, BodyArrays& bodies, const Motion& motion, std::span<const unsigned char> jointed);
     /// Shifts and turns the bodies that had impacts.
     void place(BodyArrays& bodies) const;
 
@@ -124,7 +125,7 @@ private:
     void push(const Bouncer& bouncer, const Point& point, const dvec3& impulse) noexcept;
 
     [[nodiscard]] bool stays_apart(const Bouncer& bouncer, const BodyArrays& bodies) const noexcept;
-    void mark_flying(ContactSet& contacts, const BodyArrays& bodies);
+    void mark_flying(ContactSet& contacts, const BodyArrays& bodies, std::span<const unsigned char> jointed);
 
     dvec3 gravity_{0.0};
     double dt_ = 0.0;

@@ -1,7 +1,5 @@
 #include <carom/dynamics/detail/island_links.hpp>
 
-#include <algorithm>
-#include <numeric>
 #include <utility>
 
 namespace carom::dynamics {
@@ -14,26 +12,16 @@ std::uint32_t dynamic_slot(const ContactPair& pair, std::span<const Role> roles)
 
 }  // namespace
 
-std::uint32_t IslandLinks::root(std::uint32_t slot) noexcept {
-    while (parent_[slot] != slot) {
-        parent_[slot] = parent_[parent_[slot]];
-        slot = parent_[slot];
-    }
-    return slot;
-}
-
 void IslandLinks::link(const ContactSet& contacts, std::span<const Role> roles) {
-    parent_.resize(roles.size());
-    std::iota(parent_.begin(), parent_.end(), 0u);
+    sets_.reset(roles.size());
     for (const ContactPair& pair : contacts.pairs) {
         if (roles[pair.body_a.slot] != Role::Dynamic || roles[pair.body_b.slot] != Role::Dynamic) continue;
-        const std::uint32_t a = root(pair.body_a.slot), b = root(pair.body_b.slot);
-        parent_[std::max(a, b)] = std::min(a, b);
+        sets_.unite(pair.body_a.slot, pair.body_b.slot);
     }
 }
 
 void IslandLinks::gather(const ContactSet& contacts, std::span<const Role> roles, std::span<const unsigned char> wanted) {
-    island_of_.assign(parent_.size(), kNone);
+    island_of_.assign(sets_.size(), kNone);
     islands_.clear();
     for (std::size_t m = 0; m < wanted.size(); ++m) {
         if (wanted[m] != 0) island_of_[root(dynamic_slot(contacts.pairs[contacts.manifolds[m].pair], roles))] = 0;

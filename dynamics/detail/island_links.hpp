@@ -8,6 +8,7 @@
 
 #include <carom/dynamics/detail/contact_set.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
+#include <carom/dynamics/detail/union_find.hpp>
 
 #include <cstdint>
 #include <span>
@@ -21,14 +22,15 @@ struct Island {
     std::uint32_t first_manifold = 0, manifold_count = 0;
 };
 
-/// Union-find with path halving; the lowest slot of an island is its root, so nothing depends on the order of the contacts.
-/// Source: Tarjan and van Leeuwen, Worst-Case Analysis of Set Union Algorithms (JACM 1984).
+/// Nothing depends on the order of the contacts.
 class IslandLinks {
 public:
     /// Cost: near O(pairs + slots).
     void link(const ContactSet& contacts, std::span<const Role> roles);
+    /// Joins two dynamic bodies by something that is no contact.
+    void join(std::uint32_t a, std::uint32_t b) noexcept { sets_.unite(a, b); }
     /// @return the lowest slot of the island that the dynamic body in `slot` belongs to.
-    [[nodiscard]] std::uint32_t root(std::uint32_t slot) noexcept;
+    [[nodiscard]] std::uint32_t root(std::uint32_t slot) noexcept { return sets_.root(slot); }
 
     /// Lists the islands that have a manifold with wanted[m] != 0, by rising root: their bodies, by slot, and all their manifolds, in order.
     void gather(const ContactSet& contacts, std::span<const Role> roles, std::span<const unsigned char> wanted);
@@ -41,7 +43,7 @@ public:
 private:
     static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
-    std::vector<std::uint32_t> parent_;     // by slot
+    UnionFind sets_;                        // of slots
     std::vector<std::uint32_t> island_of_;  // by root
     std::vector<Island> islands_;
     std::vector<std::uint32_t> bodies_, manifolds_;

@@ -39,6 +39,19 @@ struct Surface {
             combine(a.restitution, b.restitution, a.restitution_rule, b.restitution_rule, CombineRule::Maximum)};
 }
 
+/// How a shape resists to rolling and spinning, as lengths [m].
+struct Resistance {
+    float rolling = 0.0f, torsion = 0.0f;
+    std::optional<CombineRule> rule{};
+};
+
+[[nodiscard]] inline bool resists(const Resistance& r) noexcept { return r.rolling > 0.0f || r.torsion > 0.0f; }
+
+/// @return the resistance of a contact, whose rule means nothing.
+[[nodiscard]] inline Resistance combine(const Resistance& a, const Resistance& b) noexcept {
+    return {combine(a.rolling, b.rolling, a.rule, b.rule, CombineRule::Maximum), combine(a.torsion, b.torsion, a.rule, b.rule, CombineRule::Maximum)};
+}
+
 /// @return null for a shape that is no compound.
 [[nodiscard]] inline const Compound* compound_of(const Shape& shape) noexcept {
     const CompoundPtr* compound = std::get_if<CompoundPtr>(&shape);

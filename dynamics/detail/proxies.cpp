@@ -56,6 +56,9 @@ double gap_over(const dvec3& origin, const FloatAabb& box, const Pose& pose, con
     return glm::dot(corner - pose.position, normal) - (static_cast<double>(plane.offset) + motion);
 }
 
+/// Whether a box stays as it is until it is stale.
+bool lies_still(Role role) { return role == Role::Static || role == Role::Asleep; }
+
 /// Chooses the origin where there is none, or where the dynamic bodies have gone far from it; then every box is stale.
 void keep_origin_near(ProxySet& set, const BodyArrays& bodies) {
     Aabb dynamic, all;
@@ -66,7 +69,7 @@ void keep_origin_near(ProxySet& set, const BodyArrays& bodies) {
         const Proxy& proxy = set.by_slot[i];
         const dvec3& at = bodies.states[proxy.body].pose.position;
         all = merge(all, {at - proxy.reach, at + proxy.reach});
-        if (bodies.roles[proxy.body] == Role::Dynamic) dynamic = merge(dynamic, {at, at});
+        if (has_mass(bodies.roles[proxy.body])) dynamic = merge(dynamic, {at, at});
     }
     const dvec3 middle = is_empty(dynamic) ? dvec3{0.0} : 0.5 * dynamic.lower + 0.5 * dynamic.upper;
     if (any_listed && (is_empty(all) || glm::length(middle - set.origin) <= glm::length(all.upper - all.lower))) return;
@@ -79,7 +82,7 @@ void list_changes(ProxySet& set, const BodyArrays& bodies) {
     set.removed.clear();
     for (std::uint32_t i = 0; i < set.by_slot.size(); ++i) {
         const bool bounded = set.kinds[i] == ProxyKind::Bounded;
-        if (bounded && (set.stale[i] != 0 || bodies.roles[set.by_slot[i].body] != Role::Static)) set.moved.push_back(i);
+        if (bounded && (set.stale[i] != 0 || !lies_still(bodies.roles[set.bodies[i]]))) set.moved.push_back(i);
         if (!bounded && set.listed[i] != 0) set.removed.push_back(i);
     }
 }
@@ -161,7 +164,7 @@ void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& 
             const std::uint32_t i = set.moved[k];
             const Proxy& proxy = set.by_slot[i];
             const BodyState& state = bodies.states[proxy.body];
-            const bool is_static = bodies.roles[proxy.body] == Role::Static;
+            const bool is_static = lies_still(bodies.roles[proxy.body]);
             const Box* const box = std::get_if<Box>(&proxy.shape);
             if (box == nullptr || is_static) {
                 sweep_one(set, i, state, is_static, motion_of(bodies, proxy.body, motion));

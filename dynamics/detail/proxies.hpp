@@ -20,8 +20,11 @@
 
 namespace carom::dynamics {
 
-/// What a body may do in this step. Quarantined bodies and empty slots are Absent.
-enum class Role : unsigned char { Absent, Static, Kinematic, Dynamic };
+/// What a body may do in this step. Quarantined bodies and empty slots are Absent; dynamic bodies that sleep are Asleep.
+enum class Role : unsigned char { Absent, Static, Kinematic, Dynamic, Asleep };
+
+/// Whether a body has mass, awake or not.
+[[nodiscard]] constexpr bool has_mass(Role role) noexcept { return role == Role::Dynamic || role == Role::Asleep; }
 
 /// @return Absent for a value that is no BodyType.
 [[nodiscard]] constexpr Role role_of(BodyType type) noexcept {
@@ -42,6 +45,7 @@ struct Proxy {
     double reach = 0.0;            ///< farthest point from the centre of mass [m]
     double extent = 0.0;           ///< smallest extent of the shape [m]
     Surface surface;
+    Resistance resistance;
 };
 
 /// Bodies of a step, all indexed by slot.

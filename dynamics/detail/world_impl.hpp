@@ -1,4 +1,4 @@
-// What a World holds. Public calls live in world.cpp (bodies, shapes), world_state.cpp (reading and setting), world_query.cpp
+// What a World holds. Public calls live in world.cpp (bodies, shapes), world_joint.cpp, world_state.cpp (reading and setting), world_query.cpp
 // (rays, energy, hash, contacts), plan.cpp and world_step.cpp (the step).
 #pragma once
 
@@ -7,9 +7,14 @@
 #include <carom/dynamics/detail/contact_solver.hpp>
 #include <carom/dynamics/detail/impacts.hpp>
 #include <carom/dynamics/detail/integrator.hpp>
+#include <carom/dynamics/detail/contact_residual.hpp>
 #include <carom/dynamics/detail/direct_islands.hpp>
+#include <carom/dynamics/detail/joint_set.hpp>
+#include <carom/dynamics/detail/joint_solver.hpp>
 #include <carom/dynamics/detail/part_surface.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
+#include <carom/dynamics/detail/sleepers.hpp>
+#include <carom/dynamics/detail/step.hpp>
 #include <carom/dynamics/world.hpp>
 #include <carom/narrowphase/collide.hpp>
 
@@ -46,6 +51,7 @@ struct Census {
     int bodies = 0;
     int dynamic_bodies = 0;
     int bouncing_shapes = 0;
+    int resisting_shapes = 0;  ///< to rolling or spinning
 
     /// A body with shapes comes (sign +1) or goes (-1).
     void count_body(BodyType type, int sign) noexcept {
@@ -53,8 +59,9 @@ struct Census {
         if (type == BodyType::Dynamic) dynamic_bodies += sign;
     }
     /// One of its shapes does.
-    void count_shape(const Shape& shape, float restitution, int sign) noexcept {
-        if (bounces(shape, restitution)) bouncing_shapes += sign;
+    void count_shape(const Shape& shape, const ShapeDef& def, int sign) noexcept {
+        if (bounces(shape, def.restitution)) bouncing_shapes += sign;
+        if (resists({def.rolling_resistance, def.torsion})) resisting_shapes += sign;
     }
 };
 
@@ -78,6 +85,8 @@ inline constexpr double kMostDamping = 1e9;  ///< [1/s]
 struct StepChoices {
     bool contacts = true;     ///< two shapes exist that could meet: Bounds to Relax, and Store
     bool restitution = true;  ///< some shape bounces
+    bool joints = true;       ///< there are joints
+    bool all_asleep = false;  ///< every dynamic body sleeps, and no kinematic one moves
 };
 
 }  // namespace dynamics
@@ -88,7 +97,7 @@ struct World::Impl {
     [[nodiscard]] Executor& executor() noexcept { return def.executor != nullptr ? *def.executor : serial; }
 
     [[nodiscard]] dynamics::SolverSettings solver_settings(double dt) const noexcept {
-        return {def.gravity, dt, def.substeps, contact_rate(dt), def.contact_damping, def.max_push};
+        return {def.gravity, dt, def.substeps, contact_rate(dt), def.contact_damping, def.max_push, census.resisting_shapes > 0};
     }
     [[nodiscard]] dynamics::DirectStep direct_step(double dt) const noexcept {
         return {def.gravity, dt, soft_substep * def.substeps, def.substeps, contact_rate(dt), def.max_push, def.direct_sag};
@@ -97,10 +106,17 @@ struct World::Impl {
     /// spring that is let loose at a higher stiffness than it was compressed at throws what lies on it.
     [[nodiscard]] double contact_rate(double dt) const noexcept { return def.contact_rate * std::min(1.0, dt / def.substeps / soft_substep); }
     void note_substep(double dt) noexcept;
+    [[nodiscard]] dynamics::JointStep joint_step(double dt) const noexcept {
+        return {def.gravity, dt, def.substeps, def.spin_tolerance, def.direct_budget};
+    }
     /// How much of the impulses of the step before this one starts from.
     [[nodiscard]] float impulse_scale(double dt) const noexcept {
         return last_substep > 0.0 ? static_cast<float>(dt / def.substeps / last_substep) : 1.0f;
     }
+    /// Where a joint's anchor is: on a body, or in the world for a null id.
+    [[nodiscard]] dvec3 anchor_point(BodyId body, const dvec3& anchor) const;
+    /// Whether the bodies of a joint are alive, unlike, and one of them moves. Otherwise reports misuse.
+    [[nodiscard]] bool can_join(const JointDef& joint) const;
     /// Where the body's origin is.
     [[nodiscard]] Pose body_pose(BodyId body) const;
     /// Puts the body's origin at `pose`.
@@ -114,6 +130,7 @@ struct World::Impl {
     /// What moves the body at `slot` in a step while nothing touches it.
     [[nodiscard]] dynamics::FreeMotion free_motion(std::size_t slot) const noexcept;
     void integrate_free_bodies(bool looked, double dt);
+    void drop_parted();
     void forget_pushes();
     /// The mass of a body's shapes and of one more.
     [[nodiscard]] MassProperties mass_with(const dynamics::BodyRecord& record, const MassProperties& added) const;
@@ -127,13 +144,29 @@ struct World::Impl {
     void put_in(BodyId body);
     void take_out(BodyId body);
     void count_body(BodyId body, int sign);
+    /// Wakes a body's island; of a body without mass what sleeps on it. Nothing where sleep is off.
+    void wake(BodyId body);
+    /// A body without mass came, or was put elsewhere: what it is near to wakes in the next step.
+    void note_placed(BodyId body);
+    /// Whether anything dynamic is awake, or anything kinematic moves.
+    [[nodiscard]] bool is_any_awake() const;
+    /// What wakes by others than contacts, before a step.
+    void wake_before_step(double dt);
+    /// What wakes by the contacts found in this step. @return whether anything does: the contacts must be found again.
+    [[nodiscard]] bool wake_touched();
+    void fall_asleep(double dt, StepReport& report);
+    void find_contacts(dynamics::Step& step, const dynamics::Motion& motion);
+    void solve_contacts(dynamics::Step& step, double dt);
+    [[nodiscard]] dynamics::SleepScene sleep_scene();
+    /// Wakes both bodies of a joint that comes, changes or goes.
+    void wake_joined(const JointDef& joint);
     /// What the scene as it stands needs; all of it in PlanMode::Everything.
     [[nodiscard]] dynamics::StepChoices choose() const;
     /// The broadphase's method and why; before the first step, what that will choose.
     [[nodiscard]] BroadphasePlan plan_broadphase(double dt) const;
-    /// Takes out every body whose state no step of `dt` can take on, at its last valid pose, at rest.
     /// Whether what was applied to the body leaves its speed and spin where a step can follow them.
     [[nodiscard]] bool can_be_pushed(std::uint32_t slot, double dt) const noexcept;
+    /// Takes out every body whose state no step of `dt` can take on, at its last valid pose, at rest.
     void quarantine_unusable(double dt, StepReport& report);
 
     WorldDef def;
@@ -153,7 +186,12 @@ struct World::Impl {
     dynamics::ContactSet contacts, previous;
     dynamics::Impacts impacts;
     dynamics::DirectIslands direct;
+    dynamics::ResidualMeter residual;  // empty unless WorldDef::report_residual
     dynamics::ContactSolver solver;
+    dynamics::Sleepers sleepers;
+    std::vector<dynamics::BodyLink> sleep_links;  // of the joints
+    dynamics::JointSet joints;
+    dynamics::JointSolver joint_solver;
     std::vector<dynamics::ValidPose> last_valid;  // by slot
     double soft_substep = 0.0;  // [s]; the contacts' frequency is contact_rate over this
     double last_substep = 0.0;  // [s]; impulses are carried in proportion

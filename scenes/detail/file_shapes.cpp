@@ -132,10 +132,13 @@ CombineRule read_rule(const Node& node) {
             fmt::format("\"{}\" is none of \"average\", \"geometric_mean\", \"minimum\", \"product\", \"maximum\"", text(node)));
 }
 
-/// How the whole shape combines with others: parts of compounds have no rules of their own.
+/// How the whole shape meets others: parts of compounds have no rules of their own, and do not resist to rolling by themselves.
 void read_rules(Fields& fields, ShapeDef& def) {
     if (const auto given = fields.find("friction_rule")) def.friction_rule = read_rule(*given);
     if (const auto given = fields.find("restitution_rule")) def.restitution_rule = read_rule(*given);
+    if (const auto given = fields.find("rolling_resistance")) def.rolling_resistance = static_cast<float>(number(*given, 0.0, 1e30));
+    if (const auto given = fields.find("torsion")) def.torsion = static_cast<float>(number(*given, 0.0, 1e30));
+    if (const auto given = fields.find("rolling_rule")) def.rolling_rule = read_rule(*given);
 }
 
 Shape read_geometry(const Node& node, Fields& fields);

@@ -1,4 +1,5 @@
 #include <carom/studies/accuracy/catalogue.hpp>
+#include <carom/studies/accuracy/integrator_digest.hpp>
 #include <carom/studies/accuracy/winner_map.hpp>
 
 #include <fmt/format.h>
@@ -19,6 +20,12 @@ std::span<const StudyGroup> study_catalogue() {
         {"manifolds", "contacts of boxes, hulls and meshes: depth, normal, the area that few points span, and how steady their names are",
          manifold_studies},
         {"probes", "wheels of rays on terrain, steps and rails: contacts missed against the number of rays", probe_studies},
+        {"integrator", "free bodies by class of inertia, free fall and the spinning box: orientation, energy, momentum, and the order of each method",
+         integrator_studies, integrator_digest},
+        {"solver", "the same resting column, heavy box on a light one, pyramid, arch and pile by each contact method: forces that are left unbalanced",
+         solver_studies},
+        {"pipeline", "whole scenes by method, step and substeps: slide, bounce, top, creep, column, pyramid and pile; course, overlap and jitter",
+         pipeline_studies},
         {"ccd", "vertices against faces and edges against edges in motion: contacts made up and missed, against tolerance and cap",
          ccd_studies},
         {"toi", "convex shapes that move and turn: contacts missed, and how early they are found, against tolerance and cap", toi_studies},

@@ -4,6 +4,7 @@
 //   for (const Study& study : group->make({.quick = true})) { print(to_table(measure(study))); }
 #pragma once
 
+#include <carom/studies/accuracy/engine.hpp>
 #include <carom/studies/accuracy/ray_problem.hpp>
 #include <carom/studies/accuracy/study.hpp>
 
@@ -17,6 +18,7 @@ namespace carom::accuracy {
 struct StudyOptions {
     bool quick = false;  ///< fewer and smaller cases: seconds in all
     std::vector<RayCaster> ray_peers{};  ///< that join every study of rays against meshes; a build with peers gives them
+    std::vector<EngineMaker> engine_peers{};  ///< that join every study of whole worlds
 };
 
 /// What the results of a group add up to.
@@ -59,6 +61,12 @@ struct StudyGroup {
 [[nodiscard]] std::vector<Study> manifold_studies(const StudyOptions& options);
 /// Wheels of rays against the wheels themselves.
 [[nodiscard]] std::vector<Study> probe_studies(const StudyOptions& options);
+/// Free bodies; integrator_cases.hpp has the measures, integrator_digest.hpp what they add up to.
+[[nodiscard]] std::vector<Study> integrator_studies(const StudyOptions& options);
+/// Resting bodies; solver_cases.hpp has the problems, contact_forces.hpp of the oracles the measure.
+[[nodiscard]] std::vector<Study> solver_studies(const StudyOptions& options);
+/// Whole scenes; pipeline_cases.hpp has the measures.
+[[nodiscard]] std::vector<Study> pipeline_studies(const StudyOptions& options);
 /// Deforming triangles: contacts missed and made up.
 [[nodiscard]] std::vector<Study> ccd_studies(const StudyOptions& options);
 /// Times of impact of turning shapes, and sweeps in closed form.

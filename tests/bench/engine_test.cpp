@@ -1,8 +1,8 @@
 // The peers are given the same bodies as Carom, and say where they are in Carom's own frames.
-#include <carom/bench/engine.hpp>
 #include <carom/bench/row.hpp>
 #include <carom/scenes/scene.hpp>
 #include <carom/studies/oracle/penetration.hpp>
+#include <carom/studies/peers/engines.hpp>
 
 #include <glm/geometric.hpp>
 #include <gtest/gtest.h>
@@ -13,6 +13,14 @@
 
 namespace carom::bench {
 namespace {
+
+using accuracy::Engine;
+using accuracy::MovingBody;
+using accuracy::SceneBodies;
+using accuracy::moving_bodies;
+using accuracy::scene_bodies;
+using peers::make_bullet;
+using peers::make_ode;
 
 using Make = std::unique_ptr<Engine> (*)(const SceneBodies&);
 

@@ -53,7 +53,7 @@ TEST(Cli, NumbersOutOfRangeAreNamed) {
     expect_refused({"run", scene, "--substeps", "1025"}, {"--substeps", "1025"});
     expect_refused({"run", scene, "--contact-reuse", "0.2"}, {"--contact-reuse", "0.2"});
     expect_refused({"run", scene, "--contact-reuse", "nan"}, {"--contact-reuse", "nan"});
-    expect_refused({"run", scene, "--contact-method", "rigid"}, {"--contact-method", "rigid", "automatic, soft, direct"});
+    expect_refused({"run", scene, "--contact-method", "rigid"}, {"--contact-method", "rigid", "automatic, soft, direct, impulses"});
     expect_refused({"run", scene, "--direct-sag", "0.02"}, {"--direct-sag", "0.02"});
     expect_refused({"run", scene, "--direct-sag", "nan"}, {"--direct-sag", "nan"});
     expect_refused({"run", scene, "--direct-budget", "-1"}, {"--direct-budget", "-1"});

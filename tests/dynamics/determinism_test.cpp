@@ -135,7 +135,9 @@ TEST(Plan, SaysWhatIsSkippedAndWhy) {
         EXPECT_FALSE(e.reason.empty());
     }
     world.add_shape(world.create_body({.type = BodyType::Static}), Plane{}, {.restitution = 0.5f});
-    for (const PlanEntry& e : world.plan().entries) EXPECT_TRUE(e.run) << to_string(e.stage);
+    for (const PlanEntry& e : world.plan().entries) EXPECT_EQ(e.run, e.stage != Stage::Joints && e.stage != Stage::Sleep) << to_string(e.stage);
+    world.create_joint(BallJointDef{.body_a = body});
+    for (const PlanEntry& e : world.plan().entries) EXPECT_EQ(e.run, e.stage != Stage::Sleep) << to_string(e.stage);
 }
 
 TEST(Plan, NamesTheBroadphaseThatTheFirstStepWillChoose) {
@@ -193,6 +195,32 @@ TEST(Step, AllocatesNothingOnceWarm) {
     for (int i = 0; i < 60; ++i) contacts += world.step(1.0 / 60.0).contacts;
     EXPECT_EQ(test::allocations() - before, 0);
     EXPECT_GT(contacts, 60u * 200u) << "the steps had work to do";
+}
+
+TEST(Step, AllocatesNothingForSleepOnceWarm) {
+    World world({.sleep = {.enabled = true}});
+    world.add_shape(world.create_body({.type = BodyType::Static}), Plane{{0, 1, 0}, 0});
+    std::vector<BodyId> bodies;
+    for (int i = 0; i < 20; ++i) {
+        bodies.push_back(world.create_body({.position = {1.5 * (i % 10), 0.5 + i / 10, 0}}));
+        world.add_shape(bodies.back(), Box{vec3{0.5f}});
+    }
+    std::size_t woken = 0;
+    const auto round = [&] {
+        for (std::size_t i = 0; i < bodies.size(); i += 3) world.wake(bodies[i]);
+        StepReport report;
+        for (int i = 0; i < 60; ++i) {
+            report = world.step(1.0 / 60.0);
+            woken += report.woken;
+        }
+        EXPECT_EQ(report.asleep, bodies.size());
+    };
+    for (int i = 0; i < 120; ++i) world.step(1.0 / 60.0);
+    round(), round();
+    const long before = test::allocations();
+    round();
+    EXPECT_EQ(test::allocations() - before, 0);
+    EXPECT_GT(woken, 20u);
 }
 
 }  // namespace

@@ -149,7 +149,7 @@ TEST(Direct, BadSettingsAreRefused) {
         EXPECT_THROW(World({.direct_sag = sag}), MisuseError) << sag;
     }
     EXPECT_FALSE(validate(WorldDef{.direct_budget = (std::size_t{1} << 32) + 1}).ok());
-    EXPECT_FALSE(validate(WorldDef{.contact_method = static_cast<ContactMethod>(3)}).ok());
+    EXPECT_FALSE(validate(WorldDef{.contact_method = static_cast<ContactMethod>(4)}).ok());
     EXPECT_TRUE(validate(WorldDef{.contact_method = ContactMethod::Direct, .direct_sag = 0.01, .direct_budget = 0}).ok());
     EXPECT_STREQ(to_string(ContactMethod::Direct), "direct");
 }

@@ -86,6 +86,48 @@ TEST_F(ReadScene, BuildsMeshesAndHullsFromPointsAndGenerators) {
     EXPECT_EQ(scenes::count_escaped(run->world, run->domain), 0);
 }
 
+TEST_F(ReadScene, JoinsBodies) {
+    Result<SceneRun> run = read_scene(kExamples + "crane.json");
+    ASSERT_TRUE(run.has_value()) << run.error().where << ": " << run.error().message;
+    World& world = run->world;
+    ASSERT_EQ(world.joints().size(), 5u);
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_LT(world.joint_state(world.joints()[i]).length, 1e-12);
+    const SpringDef spring = std::get<SpringDef>(world.joint_def(world.joints()[4]));
+    EXPECT_EQ(spring.body_a, BodyId{});
+    EXPECT_EQ(world.name(spring.body_b), "lamp");
+    EXPECT_EQ(spring.rest_length, 2.0);
+    EXPECT_EQ(spring.damping, 10.0);
+    step(*run, 600);
+    EXPECT_EQ(scenes::count_escaped(world, run->domain), 0);
+    EXPECT_NEAR(world.joint_state(world.joints()[4]).force.y, 64.0 * 9.81, 20.0);  // it still swings a little
+    EXPECT_LT(world.center_of_mass(world.bodies()[9]).y, 3.0);                      // the weight went through the crates
+}
+
+TEST_F(ReadScene, NamesTheFaultOfAJoint) {
+    const auto with = [&](const std::string& joint) {
+        const std::string ball = R"("shapes": [{"type": "sphere", "radius": 1}])";
+        return read("{\"bodies\": [{\"name\": \"x\", " + ball + "}, {\"name\": \"y\", " + ball + "}, {\"name\": \"y\", \"type\": \"static\", " + ball +
+                    "}],\n\"joints\": [{" + joint + "}]}");
+    };
+    EXPECT_TRUE(with(R"("type": "ball", "body_a": "x", "body_b": 2)").has_value());
+    EXPECT_TRUE(with(R"("type": "spring", "body_a": 0, "stiffness": 3, "collide_connected": true)").has_value());
+    expect_error(with(R"("body_a": "x")"), ErrorCode::Empty, ":2: joints[0]");
+    expect_error(with(R"("type": "hinge", "body_a": "x")"), ErrorCode::UnknownName, ":2: joints[0].type");
+    expect_error(with(R"("type": "ball", "body_a": "z")"), ErrorCode::UnknownName, ":2: joints[0].body_a");
+    expect_error(with(R"("type": "ball", "body_a": "y")"), ErrorCode::InvalidArgument, ":2: joints[0].body_a");
+    expect_error(with(R"("type": "ball", "body_a": 3)"), ErrorCode::InvalidArgument, ":2: joints[0].body_a");
+    expect_error(with(R"("type": "ball", "body_a": 1, "body_b": 1)"), ErrorCode::InvalidArgument, ":2: joints[0]");
+    expect_error(with(R"("type": "ball", "body_b": 2)"), ErrorCode::WrongType, ":2: joints[0]");
+    expect_error(with(R"("type": "ball", "body_a": 0, "at": [0, 0, 0], "anchor_b": [0, 0, 0])"), ErrorCode::InvalidArgument, ":2: joints[0].anchor_b");
+    expect_error(with(R"("type": "ball", "body_a": 0, "anchor_b": [1e31, 0, 0])"), ErrorCode::InvalidArgument, ":2: joints[0].anchor_b");
+    expect_error(with(R"("type": "ball", "body_a": 0, "stiffness": 1)"), ErrorCode::UnknownName, ":2: joints[0].stiffness");
+    expect_error(with(R"("type": "spring", "body_a": 0)"), ErrorCode::Empty, ":2: joints[0]");
+    expect_error(with(R"("type": "spring", "body_a": 0, "stiffness": -1)"), ErrorCode::InvalidArgument, ":2: joints[0].stiffness");
+    expect_error(with(R"("type": "spring", "body_a": 0, "stiffness": 1, "damping": -1)"), ErrorCode::InvalidArgument, ":2: joints[0].damping");
+    expect_error(with(R"("type": "spring", "body_a": 0, "stiffness": 1, "rest_length": "long")"), ErrorCode::WrongType, ":2: joints[0].rest_length");
+    expect_error(read(R"({"bodies": [], "joints": [{"type": "ball", "body_a": 0}]})"), ErrorCode::UnknownName, ":1: joints[0].body_a");
+}
+
 TEST_F(ReadScene, TakesAMeshWrittenOut) {
     const Result<SceneRun> run = read_shape(
         R"("type": "triangle_mesh", "vertices": [[0,0,0],[0,0,1],[1,0,0]], "triangles": [[0,1,2]])", "static");
@@ -246,6 +288,27 @@ TEST_F(ReadScene, ReadsWhatBodiesAskForBeyondGravity) {
     refuse(R"("angular_damping": "much")", ErrorCode::WrongType, "angular_damping");
     refuse(R"("locked": ["x"])", ErrorCode::UnknownName, "locked[0]");
     refuse(R"("type": "kinematic", "gravity_scale": 0)", ErrorCode::InvalidArgument, "gravity_scale");
+}
+
+TEST_F(ReadScene, ReadsSleepAndResistance) {
+    const std::string shape = R"("shapes": [{"type": "sphere", "radius": 1, "rolling_resistance": 0.25, "torsion": 0.5, "rolling_rule": "average"}])";
+    const Result<SceneRun> run = read_body(R"("can_sleep": false, )" + shape);
+    ASSERT_TRUE(run.has_value()) << run.error().where << ": " << run.error().message;
+    EXPECT_FALSE(run->world.settings().sleep.enabled);
+    const ShapeDef& def = run->world.shape_def(run->world.shapes(run->world.bodies()[0])[0]);
+    EXPECT_EQ(def.rolling_resistance, 0.25f);
+    EXPECT_EQ(def.torsion, 0.5f);
+    EXPECT_EQ(def.rolling_rule, CombineRule::Average);
+    EXPECT_TRUE(read_scene(kExamples + "crates.json", {.world = {.sleep = {.enabled = true}}})->world.settings().sleep.enabled);
+
+    EXPECT_TRUE(read(R"({"sleep": true, "bodies": []})")->world.settings().sleep.enabled);
+    expect_error(read(R"({"sleep": "deep", "bodies": []})"), ErrorCode::WrongType, ":1: sleep");
+    expect_error(read_body(R"("can_sleep": 1, )" + shape), ErrorCode::WrongType, ":2: bodies[0].can_sleep");
+    expect_error(read_body(R"("type": "static", "can_sleep": false, )" + shape), ErrorCode::InvalidArgument, ":2: bodies[0].can_sleep");
+    const std::string sphere = R"("type": "sphere", "radius": 1, )", at = ":3: bodies[0].shapes[0]";
+    expect_error(read_shape(sphere + R"("rolling_resistance": -0.1)"), ErrorCode::InvalidArgument, at + ".rolling_resistance");
+    expect_error(read_shape(sphere + R"("torsion": "much")"), ErrorCode::WrongType, at + ".torsion");
+    expect_error(read_shape(sphere + R"("rolling_rule": "sum")"), ErrorCode::UnknownName, at + ".rolling_rule");
 }
 
 TEST_F(ReadScene, NamesKeysOfHullsAndMeshes) {

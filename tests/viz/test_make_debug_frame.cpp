@@ -54,6 +54,23 @@ TEST(MakeDebugFrame, HasEveryLayerInOrderAndIsValid) {
     EXPECT_EQ(frame.up, (dvec3{0.0, 1.0, 0.0}));
 }
 
+TEST(MakeDebugFrame, JointsAreLinesFromCentreToAnchorToAnchorToCentre) {
+    World world;
+    const BodyId a = world.create_body({.position = {1, 0, 0}}), b = world.create_body({.position = {4, 0, 0}});
+    world.create_joint(SpringDef{.body_a = a, .body_b = b, .anchor_a = {1, 0, 0}, .anchor_b = {-1, 0, 0}, .stiffness = 1.0});
+    world.create_joint(BallJointDef{.body_b = b, .anchor_a = {4, 2, 0}, .anchor_b = {0, 2, 0}});
+    const DebugFrame frame = make_debug_frame(world);
+    const std::vector<DebugLine>& lines = layer(frame, Layer::Joints).lines;
+    ASSERT_EQ(lines.size(), 4u);  // the second has its anchors at one point, and the world has no centre
+    const dvec3 o = frame.origin;
+    EXPECT_EQ(dvec3(lines[0].a) + o, dvec3(1, 0, 0));
+    EXPECT_EQ(dvec3(lines[1].a) + o, dvec3(2, 0, 0));
+    EXPECT_EQ(dvec3(lines[1].b) + o, dvec3(3, 0, 0));
+    EXPECT_EQ(dvec3(lines[2].b) + o, dvec3(4, 0, 0));
+    EXPECT_EQ(dvec3(lines[3].a) + o, dvec3(4, 2, 0));
+    EXPECT_TRUE(make_debug_frame(world, {.layers = kAllLayers & ~layer_bit(Layer::Joints)}).layers[static_cast<std::size_t>(Layer::Joints)].lines.empty());
+}
+
 TEST(MakeDebugFrame, ShapesBecomeTheirTrianglesWithTheirBody) {
     const Park park;
     const DebugFrame frame = make_debug_frame(park.world, {.segments = 8});

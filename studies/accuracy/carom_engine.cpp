@@ -1,9 +1,9 @@
 // Carom behind the interface of its peers.
-#include <carom/bench/engine.hpp>
+#include <carom/studies/accuracy/engine.hpp>
 
 #include <utility>
 
-namespace carom::bench {
+namespace carom::accuracy {
 namespace {
 
 class CaromEngine final : public Engine {
@@ -15,6 +15,7 @@ public:
     void step(double dt) override { world_.step(dt); }
     Pose pose(std::size_t index) const override { return world_.pose(moving_[index]); }
     dvec3 velocity(std::size_t index) const override { return world_.linear_velocity(moving_[index]); }
+    dvec3 spin(std::size_t index) const override { return world_.angular_velocity(moving_[index]); }
 
 private:
     World world_;
@@ -25,4 +26,4 @@ private:
 
 std::unique_ptr<Engine> make_carom(World world) { return std::make_unique<CaromEngine>(std::move(world)); }
 
-}  // namespace carom::bench
+}  // namespace carom::accuracy

@@ -7,7 +7,7 @@
 
 #include <vector>
 
-namespace carom::bench {
+namespace carom::accuracy {
 
 /// A shape that never moves.
 struct FixedShape {
@@ -45,4 +45,4 @@ struct SceneBodies {
 /// @return the ids of the dynamic bodies, in the order of SceneBodies::moving.
 [[nodiscard]] std::vector<BodyId> moving_bodies(const World& world);
 
-}  // namespace carom::bench
+}  // namespace carom::accuracy

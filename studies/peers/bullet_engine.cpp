@@ -1,5 +1,5 @@
 // Bullet, from its single-precision build: the world that its own examples make, with margins and iterations left alone.
-#include <carom/bench/engine.hpp>
+#include <carom/studies/peers/engines.hpp>
 
 #include <carom/collision/convex_hull.hpp>
 #include <carom/collision/triangle_mesh.hpp>
@@ -12,8 +12,13 @@
 #include <stdexcept>
 #include <utility>
 
-namespace carom::bench {
+namespace carom::peers {
 namespace {
+
+using accuracy::Engine;
+using accuracy::FixedShape;
+using accuracy::MovingBody;
+using accuracy::SceneBodies;
 
 static_assert(sizeof(btScalar) == sizeof(float), "the comparison is with Bullet's single-precision build");
 
@@ -68,6 +73,7 @@ public:
         return mass * moving_[index].shape_in_mass;
     }
     dvec3 velocity(std::size_t index) const override { return from_bt(moving_[index].body->getLinearVelocity()); }
+    dvec3 spin(std::size_t index) const override { return from_bt(moving_[index].body->getAngularVelocity()); }
 
 private:
     struct Moving {
@@ -87,8 +93,8 @@ private:
 
     btRigidBody& add(btRigidBody::btRigidBodyConstructionInfo info, const Pose& pose, double friction, double restitution) {
         info.m_startWorldTransform = to_bt(pose);
-        info.m_friction = to_bt(std::sqrt(friction));  // Bullet multiplies the two: this gives the geometric mean
-        info.m_restitution = to_bt(restitution);
+        info.m_friction = to_bt(std::sqrt(friction));  // Bullet multiplies the two, of both: this gives the geometric mean
+        info.m_restitution = to_bt(std::sqrt(restitution));
         bodies_.push_back(std::make_unique<btRigidBody>(info));
         world_.addRigidBody(bodies_.back().get());
         return *bodies_.back();
@@ -144,6 +150,6 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Engine> make_bullet(const SceneBodies& bodies) { return std::make_unique<BulletEngine>(bodies); }
+std::unique_ptr<accuracy::Engine> make_bullet(const accuracy::SceneBodies& bodies) { return std::make_unique<BulletEngine>(bodies); }
 
-}  // namespace carom::bench
+}  // namespace carom::peers

@@ -1,8 +1,8 @@
-#include <carom/bench/scene_bodies.hpp>
+#include <carom/studies/accuracy/scene_bodies.hpp>
 
 #include <stdexcept>
 
-namespace carom::bench {
+namespace carom::accuracy {
 namespace {
 
 MovingBody read_moving(const World& world, BodyId id) {
@@ -52,4 +52,4 @@ std::vector<BodyId> moving_bodies(const World& world) {
     return ids;
 }
 
-}  // namespace carom::bench
+}  // namespace carom::accuracy

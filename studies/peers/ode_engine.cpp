@@ -1,6 +1,6 @@
 // ODE (Debian builds it in double precision): dWorldQuickStep with its own settings, contacts made in the usual callback. The space
 // is its sweep-and-prune one: on a pyramid it makes the step twice as fast as the hash space.
-#include <carom/bench/engine.hpp>
+#include <carom/studies/peers/engines.hpp>
 
 #include <carom/collision/convex_hull.hpp>
 #include <carom/collision/triangle_mesh.hpp>
@@ -8,14 +8,21 @@
 #include <ode/ode.h>
 
 #include <fmt/format.h>
+#include <glm/geometric.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <stdexcept>
 #include <utility>
 
-namespace carom::bench {
+namespace carom::peers {
 namespace {
+
+using accuracy::Engine;
+using accuracy::FixedShape;
+using accuracy::MovingBody;
+using accuracy::SceneBodies;
 
 constexpr int kMaxContacts = 8;  // of a pair; what ODE's own box against box makes at most
 
@@ -79,14 +86,14 @@ public:
           joints_(dJointGroupCreate(0)) {
         dWorldSetGravity(world_, bodies.gravity.x, bodies.gravity.y, bodies.gravity.z);
         dRandSetSeed(0);  // QuickStep shuffles its rows
-        frictions_.reserve(bodies.fixed.size() + bodies.moving.size());  // geoms point into it
+        materials_.reserve(bodies.fixed.size() + bodies.moving.size());  // geoms point into it
         for (const FixedShape& fixed : bodies.fixed) {
             const Made made = make_geom(fixed_space_, fixed.shape, Pose{});
             const Pose pose = fixed.pose * made.offset;
             const dQuaternion q{pose.orientation.w, pose.orientation.x, pose.orientation.y, pose.orientation.z};
             dGeomSetPosition(made.geom, pose.position.x, pose.position.y, pose.position.z);
             dGeomSetQuaternion(made.geom, q);
-            set_friction(made.geom, fixed.friction);
+            set_material(made.geom, {fixed.friction, fixed.restitution});
         }
         for (const MovingBody& moving : bodies.moving) add_moving(moving);
     }
@@ -114,11 +121,15 @@ public:
         return mass * moving_[index].shape_in_mass;
     }
     dvec3 velocity(std::size_t index) const override { return from_ode(dBodyGetLinearVel(moving_[index].body)); }
+    dvec3 spin(std::size_t index) const override { return from_ode(dBodyGetAngularVel(moving_[index].body)); }
 
 private:
     struct Moving {
         dBodyID body;
         Pose shape_in_mass;
+    };
+    struct Material {
+        double friction = 0.0, restitution = 0.0;
     };
     struct Made {
         dGeomID geom;
@@ -133,19 +144,22 @@ private:
         const OdeEngine& engine = *static_cast<const OdeEngine*>(self);
         std::array<dContact, kMaxContacts> contacts;
         const int count = dCollide(a, b, kMaxContacts, &contacts[0].geom, sizeof(dContact));
-        const double friction = std::sqrt(*static_cast<const double*>(dGeomGetData(a)) * *static_cast<const double*>(dGeomGetData(b)));
+        const Material &of_a = *static_cast<const Material*>(dGeomGetData(a)), &of_b = *static_cast<const Material*>(dGeomGetData(b));
+        const double friction = std::sqrt(of_a.friction * of_b.friction), restitution = std::max(of_a.restitution, of_b.restitution);
         for (int i = 0; i < count; ++i) {
+            // A hull that just touches a box is given a normal of zero; ODE would end the process on it.
+            if (!(glm::length(from_ode(contacts[static_cast<std::size_t>(i)].geom.normal)) > 0.5)) continue;
             dSurfaceParameters& surface = contacts[static_cast<std::size_t>(i)].surface;
             surface = {};
             surface.mode = dContactApprox1;  // mu is a coefficient, not a limit of force
             surface.mu = friction;
+            if (restitution > 0.0) surface.mode |= dContactBounce, surface.bounce = restitution;
             const dJointID joint = dJointCreateContact(engine.world_, engine.joints_, &contacts[static_cast<std::size_t>(i)]);
             dJointAttach(joint, dGeomGetBody(a), dGeomGetBody(b));
         }
     }
 
     void add_moving(const MovingBody& moving) {
-        if (moving.restitution != 0.0) throw std::invalid_argument("ode: the scenes compared do not bounce");
         const dBodyID body = dBodyCreate(world_);
         dMass mass;
         dMassSetParameters(&mass, moving.mass, 0, 0, 0, moving.moments.x, moving.moments.y, moving.moments.z, 0, 0, 0);
@@ -165,13 +179,13 @@ private:
             const dQuaternion offset{o.w, o.x, o.y, o.z};
             dGeomSetOffsetQuaternion(made.geom, offset);
         }
-        set_friction(made.geom, moving.friction);
+        set_material(made.geom, {moving.friction, moving.restitution});
         moving_.push_back({body, moving.shape_in_mass});
     }
 
-    void set_friction(dGeomID geom, double friction) {
-        frictions_.push_back(friction);
-        dGeomSetData(geom, &frictions_.back());
+    void set_material(dGeomID geom, const Material& material) {
+        materials_.push_back(material);
+        dGeomSetData(geom, &materials_.back());
     }
 
     Made make_geom(dSpaceID space, const Shape& shape, const Pose& placed) {
@@ -206,7 +220,7 @@ private:
     Library library_;
     std::vector<std::unique_ptr<HullArrays>> hulls_;
     std::vector<std::unique_ptr<MeshArrays>> meshes_;
-    std::vector<double> frictions_;
+    std::vector<Material> materials_;
     dWorldID world_;
     dSpaceID moving_space_, fixed_space_;
     dJointGroupID joints_;
@@ -215,6 +229,6 @@ private:
 
 }  // namespace
 
-std::unique_ptr<Engine> make_ode(const SceneBodies& bodies) { return std::make_unique<OdeEngine>(bodies); }
+std::unique_ptr<accuracy::Engine> make_ode(const accuracy::SceneBodies& bodies) { return std::make_unique<OdeEngine>(bodies); }
 
-}  // namespace carom::bench
+}  // namespace carom::peers

@@ -1,0 +1,388 @@
+#include <carom/dynamics/detail/joint_island.hpp>
+
+#include <carom/core/math.hpp>
+#include <carom/dynamics/detail/block_rows.hpp>
+#include <carom/dynamics/detail/integrator.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace carom::dynamics {
+namespace {
+
+/// Softness of a ball joint over the inverse mass that it feels: what a solve leaves of an error, per iteration and mass ratio. Smaller ones
+/// lose the digits of the velocities in the factor.
+constexpr double kSoftness = 1e-9;
+/// Solves for positions repeat until a gap is that small against the arms, and what rounding leaves of far positions.
+constexpr double kClosed = 1e-13, kUlp = 0x1p-51;
+constexpr int kMostIterations = 4, kVelocityIterations = 2;
+/// Gaps that bodies were created with, or that were torn open, close by that share of the arms in a substep: all at once would be a blow.
+constexpr double kMostClosed = 0.01;
+/// Of islands too large to be factored.
+constexpr int kSweeps = 12;
+/// Where the swing of a spring takes fewer than 2 pi substeps ((ω h)² > 1) it is damped away.
+constexpr double kResolved = 1.0;
+/// Loads that turn a body back with (ω h)² above this are taken at the end of the drift, which damps such a swing.
+constexpr double kCalmTurn = 0.5;
+/// What is locked has so many times the mass in the matrix; the impulses themselves never move it.
+constexpr double kLockedShare = 1e6;
+
+std::size_t as_index(std::int32_t i) { return static_cast<std::size_t>(i); }
+
+dvec3 velocity_at(const JointBody& body, const dvec3& arm) { return body.state.velocity + glm::cross(body.state.spin, arm); }
+
+double trace(const dmat3& m) { return m[0][0] + m[1][1] + m[2][2]; }
+
+/// The inverse of the mass that a force at the end of an arm meets, at most.
+double lightness(const JointBody& body, const dvec3& arm) {
+    const double most = std::max({body.inverse_mass.x, body.inverse_mass.y, body.inverse_mass.z});
+    return most + glm::dot(arm, arm) * trace(body.inverse_turn);
+}
+
+/// G of a row: along a direction, and across it.
+dmat3 softness_matrix(const JointRow& row) {
+    return dmat3{row.across} + (row.along - row.across) * glm::outerProduct(row.direction, row.direction);
+}
+
+/// J M⁻¹ Jᵀ of one end.
+dmat3 response(const JointBody& body, const dvec3& arm) {
+    const dmat3 turn = cross_matrix(arm);
+    dmat3 out = turn * body.inverse_turn * glm::transpose(turn);
+    for (int i = 0; i < 3; ++i) out[i][i] += body.inverse_mass[i];
+    return out;
+}
+
+}  // namespace
+
+bool JointIsland::analyse(std::size_t most_operations) {
+    edges_.clear();
+    any_ball_ = false;
+    for (JointRow& row : rows) {
+        any_ball_ |= row.ball;
+        row.edge = -1;
+        if (row.a.body < 0 || row.b.body < 0) continue;
+        row.edge = static_cast<std::int32_t>(edges_.size());
+        edges_.push_back({row.a.body, row.b.body});
+    }
+    step_.resize(bodies.size());
+    next_.resize(bodies.size());
+    wanted_.resize(rows.size());
+    ahead_.resize(rows.size());
+    direct_ = factor_.analyse(static_cast<std::int32_t>(bodies.size()), edges_, most_operations);
+    return direct_;
+}
+
+Pose JointIsland::pose_of(const JointEnd& end, double time) const {
+    if (end.body >= 0) return bodies[as_index(end.body)].state.pose;
+    if (end.velocity == dvec3{0.0} && end.spin == dvec3{0.0}) return end.start;
+    return {end.start.position + time * end.velocity, glm::normalize(rotation_from_vector(time * end.spin) * end.start.orientation)};
+}
+
+dvec3 JointIsland::gap_of(const JointRow& row, const Pose& a, const Pose& b) const noexcept {
+    return (b.position - a.position) + (rotate(b.orientation, row.b.local) - rotate(a.orientation, row.a.local));
+}
+
+dvec3 JointIsland::velocity_of(const JointRow& row) const noexcept {
+    dvec3 u = row.fixed_velocity;
+    if (row.b.body >= 0) u += velocity_at(bodies[as_index(row.b.body)], row.arm_b);
+    if (row.a.body >= 0) u -= velocity_at(bodies[as_index(row.a.body)], row.arm_a);
+    return u;
+}
+
+dvec3 JointIsland::velocity_before(const JointRow& row) const noexcept {
+    const auto at = [](const JointBody& body, const dvec3& arm) { return body.before_velocity + glm::cross(body.before_spin, arm); };
+    dvec3 u = row.fixed_velocity;
+    if (row.b.body >= 0) u += at(bodies[as_index(row.b.body)], row.arm_b);
+    if (row.a.body >= 0) u -= at(bodies[as_index(row.a.body)], row.arm_a);
+    return u;
+}
+
+void JointIsland::look_at_bodies() {
+    for (JointBody& body : bodies) {
+        body.inverse_mass = body.mass->inverse_mass * free_moves(body.mass->locked);
+        body.inverse_turn = world_inverse_inertia(body.state, *body.mass);
+        body.stiffening = dmat3{0.0};
+        body.stiffness = body.damping = 0.0;
+    }
+}
+
+void JointIsland::place_rows() {
+    for (JointRow& row : rows) {
+        const Pose a = pose_of(row.a, time_), b = pose_of(row.b, time_);
+        row.arm_a = rotate(a.orientation, row.a.local);
+        row.arm_b = rotate(b.orientation, row.b.local);
+        row.gap = gap_of(row, a, b);
+        row.fixed_velocity = dvec3{0.0};
+        if (row.b.body < 0) row.fixed_velocity += row.b.velocity + glm::cross(row.b.spin, row.arm_b);
+        if (row.a.body < 0) row.fixed_velocity -= row.a.velocity + glm::cross(row.a.spin, row.arm_a);
+        if (row.ball) continue;
+        const double length = glm::length(row.gap);
+        row.direction = length > 0.0 ? row.gap / length : dvec3{0.0};
+        for (const auto& [end, arm] : {std::pair{row.a.body, row.arm_a}, std::pair{row.b.body, row.arm_b}}) {
+            if (end < 0) continue;
+            JointBody& body = bodies[as_index(end)];
+            body.stiffness += row.stiffness * lightness(body, arm);
+            body.damping += row.damping * lightness(body, arm);
+        }
+    }
+}
+
+// A load f at an arm r turns its body back by r f for each radian, and explicit steps of h are stable while h² r f is below 4 times the moment. Where it
+// comes near, the torque is taken at the end of the drift: what it is now less h times that stiffness and the spin, as of a stiff spring
+// (Newmark 1959; the geometric stiffness of Tournier et al. 2015).
+void JointIsland::stiffen() noexcept {
+    for (const JointRow& row : rows) {
+        const auto load = [&](std::int32_t end, const dvec3& arm, const dvec3& force) {
+            if (end < 0) return;
+            const double length_sq = glm::dot(arm, arm);
+            const double turning = 0.5 * (glm::dot(arm, force) + std::sqrt(length_sq * glm::dot(force, force)));
+            if (!(turning > 0.0)) return;
+            bodies[as_index(end)].stiffening += turning * (dmat3{1.0} - glm::outerProduct(arm, arm) / length_sq);
+        };
+        load(row.a.body, row.arm_a, -row.force);
+        load(row.b.body, row.arm_b, row.force);
+    }
+    for (JointBody& body : bodies) {
+        const bool calm = !(h_ * h_ * trace(body.stiffening * body.inverse_turn) > kCalmTurn);
+        if (calm || (body.mass->locked & kLockedTurns) != 0) {
+            body.stiffening = dmat3{0.0};
+            continue;
+        }
+        body.stiffening *= share_ * h_ * h_;
+        body.inverse_turn = glm::inverse(glm::inverse(body.inverse_turn) + body.stiffening);
+    }
+}
+
+void JointIsland::set_up_ball(JointRow& row) const noexcept {
+    double light = 0.0;
+    if (row.a.body >= 0) light += lightness(bodies[as_index(row.a.body)], row.arm_a);
+    if (row.b.body >= 0) light += lightness(bodies[as_index(row.b.body)], row.arm_b);
+    row.along = row.across = light > 0.0 ? 1.0 / (kSoftness * light) : 0.0;
+    const double wide = glm::length(row.gap), most = kMostClosed * (glm::length(row.arm_a) + glm::length(row.arm_b));
+    row.left = most > 0.0 && wide > most ? (1.0 - most / wide) * row.gap : dvec3{0.0};
+}
+
+void JointIsland::set_up_spring(JointRow& row, double share) const noexcept {
+    double stiffness = 0.0, damping = 0.0;  // of all springs of the two bodies, over the masses: ω² and twice the decay rate, at most
+    for (const std::int32_t end : {row.a.body, row.b.body}) {
+        if (end < 0) continue;
+        stiffness += bodies[as_index(end)].stiffness;
+        damping += bodies[as_index(end)].damping;
+    }
+    const bool resolved = h_ * h_ * stiffness <= kResolved, lightly = h_ * damping <= kResolved;
+    const double length = glm::length(row.gap), stretch = length - row.rest_length;
+    const double pull = length > 0.0 ? std::max(row.stiffness * stretch / length, 0.0) : 0.0;  // stiffness across
+    const double weight = share > 0.0 ? 1.0 : 0.0;
+    const auto inertia = [&](double k) { return weight * h_ * h_ * k * (resolved ? 1.0 / 12.0 : share); };
+    row.push = share * h_ * row.stiffness * stretch * row.direction;
+    row.keep = resolved ? inertia(row.stiffness) : 0.0;
+    row.along = inertia(row.stiffness);
+    // Across, where it must be: an impulse that is not along the line turns the two about each other.
+    row.across = resolved ? 0.0 : inertia(pull);
+    const double damper = share * h_ * row.damping;
+    // Over the mean of the velocities before and after where that is stable, else over that after.
+    row.along += lightly ? 0.5 * damper : damper;
+    if (lightly) row.keep -= 0.5 * damper;
+    if (row.rest_length > 0.0) return;
+    // A spring of no length has no direction.
+    row.direction = dvec3{0.0};
+    row.push = share * h_ * row.stiffness * row.gap;
+    row.across = row.along;
+}
+
+void JointIsland::look(double h, double time, double share) {
+    h_ = h;
+    time_ = time;
+    share_ = share;
+    look_at_bodies();
+    place_rows();
+    stiffen();
+    for (JointRow& row : rows) {
+        if (row.ball) {
+            set_up_ball(row);
+        } else {
+            set_up_spring(row, share);
+        }
+    }
+    factored_ = false;
+    if (!direct_) return;
+    assemble();
+    factored_ = factor_.factorise();
+}
+
+void JointIsland::warm_start(double h) {
+    time_ = 0.0;
+    look_at_bodies();
+    place_rows();
+    for (JointRow& row : rows) give(row, h * row.mean_force);
+}
+
+void JointIsland::assemble() {
+    factor_.clear();
+    for (std::size_t i = 0; i < bodies.size(); ++i) {
+        const JointBody& body = bodies[i];
+        Block6& block = factor_.diagonal(static_cast<std::int32_t>(i));
+        const dmat3 axes = glm::mat3_cast(body.state.pose.orientation);
+        dmat3 scaled = axes;
+        for (int k = 0; k < 3; ++k) scaled[k] *= body.mass->moments[k];
+        dmat3 inertia = scaled * glm::transpose(axes) + body.stiffening;
+        const double most = trace(inertia);
+        for (int k = 0; k < 3; ++k) {
+            const auto locked = static_cast<unsigned>(body.mass->locked);
+            block.at(k, k) += body.mass->mass * ((locked >> k & 1u) != 0 ? kLockedShare : 1.0);
+            if ((locked >> (k + 3) & 1u) != 0) inertia[k][k] += kLockedShare * most;
+        }
+        add(block, 3, 3, inertia);
+    }
+    for (const JointRow& row : rows) {
+        const dmat3 g = softness_matrix(row);
+        if (row.a.body >= 0) add_coupling(factor_.diagonal(row.a.body), g, row.arm_a, row.arm_a, 1.0);
+        if (row.b.body >= 0) add_coupling(factor_.diagonal(row.b.body), g, row.arm_b, row.arm_b, 1.0);
+        if (row.edge < 0) continue;
+        const BlockPlace place = factor_.place(as_index(row.edge));
+        Block6& block = factor_.block(place.index);
+        if (place.transposed) {
+            add_coupling(block, g, row.arm_b, row.arm_a, -1.0);
+        } else {
+            add_coupling(block, g, row.arm_a, row.arm_b, -1.0);
+        }
+    }
+}
+
+BodyState JointIsland::drifted(const JointBody& body) const {
+    BodyState next = body.state;
+    if (alone) {
+        integrate_free(next, *body.mass, {.spin_tolerance = spin_tolerance}, h_);
+    } else {
+        next.pose.position += h_ * next.velocity;
+        next.pose.orientation = glm::normalize(rotation_from_vector(h_ * next.spin) * next.pose.orientation);
+    }
+    return next;
+}
+
+void JointIsland::drift() {
+    for (JointBody& body : bodies) body.state = drifted(body);
+}
+
+void JointIsland::predict() {
+    for (std::size_t i = 0; i < bodies.size(); ++i) next_[i] = drifted(bodies[i]).pose;
+    const auto next = [&](const JointEnd& end) { return end.body >= 0 ? next_[as_index(end.body)] : pose_of(end, time_ + h_); };
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        if (rows[i].ball) ahead_[i] = gap_of(rows[i], next(rows[i].a), next(rows[i].b)) - rows[i].left;
+    }
+}
+
+bool JointIsland::has_closed() const noexcept {
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        if (!rows[i].ball) continue;
+        double far = 0.0;
+        for (const JointEnd* end : {&rows[i].a, &rows[i].b}) far += glm::length(end->body >= 0 ? next_[as_index(end->body)].position : end->start.position);
+        const double most = kClosed * (glm::length(rows[i].arm_a) + glm::length(rows[i].arm_b)) + kUlp * far;
+        if (!(glm::length(ahead_[i]) <= most)) return false;
+    }
+    return true;
+}
+
+void JointIsland::give(JointRow& row, const dvec3& impulse) noexcept {
+    row.impulse += impulse;
+    const auto push = [](JointBody& body, const dvec3& arm, const dvec3& change) {
+        const dvec3 velocity = body.inverse_mass * change, spin = body.inverse_turn * glm::cross(arm, change);
+        body.state.velocity += velocity;
+        body.state.spin += spin;
+        body.pushed_velocity += velocity;
+        body.pushed_spin += spin;
+    };
+    if (row.b.body >= 0) push(bodies[as_index(row.b.body)], row.arm_b, impulse);
+    if (row.a.body >= 0) push(bodies[as_index(row.a.body)], row.arm_a, -impulse);
+}
+
+dvec3 JointIsland::missing(const JointRow& row, JointGoal goal) const noexcept {
+    const dvec3 u = velocity_of(row);
+    if (!row.ball) return -(row.law + softness_matrix(row) * u) - row.impulse;
+    if (goal == JointGoal::Velocities) return -row.along * u;
+    return -row.along * ((row.gap - row.left) / h_ + u);
+}
+
+// One step of Newton's method: λ += Δ - G J δ with H δ = Jᵀ Δ, Δ by which λ misses its law.
+void JointIsland::refine(JointGoal goal) {
+    std::ranges::fill(step_, Vector6{});
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        const JointRow& row = rows[i];
+        const bool ahead = row.ball && goal == JointGoal::Positions;
+        wanted_[i] = ahead ? -row.along * (ahead_[i] / h_) : missing(row, goal);
+        const auto put = [&](std::int32_t end, const dvec3& arm, const dvec3& impulse) {
+            if (end < 0) return;
+            const dvec3 turn = glm::cross(arm, impulse);
+            Vector6& x = step_[as_index(end)];
+            for (std::size_t k = 0; k < 3; ++k) {
+                x[k] += impulse[static_cast<int>(k)];
+                x[k + 3] += turn[static_cast<int>(k)];
+            }
+        };
+        put(row.b.body, row.arm_b, wanted_[i]);
+        put(row.a.body, row.arm_a, -wanted_[i]);
+    }
+    factor_.solve(step_);
+    for (std::size_t i = 0; i < rows.size(); ++i) {
+        JointRow& row = rows[i];
+        const auto at = [&](std::int32_t end, const dvec3& arm) {
+            if (end < 0) return dvec3{0.0};
+            return linear_part(step_[as_index(end)]) + glm::cross(angular_part(step_[as_index(end)]), arm);
+        };
+        give(row, wanted_[i] - softness_matrix(row) * (at(row.b.body, row.arm_b) - at(row.a.body, row.arm_a)));
+    }
+}
+
+void JointIsland::sweep(JointGoal goal) {
+    for (JointRow& row : rows) {
+        dmat3 mass{0.0};
+        if (row.b.body >= 0) mass += response(bodies[as_index(row.b.body)], row.arm_b);
+        if (row.a.body >= 0) mass += response(bodies[as_index(row.a.body)], row.arm_a);
+        give(row, glm::inverse(dmat3{1.0} + softness_matrix(row) * mass) * missing(row, goal));
+    }
+}
+
+// Spin that is left where the torque of the load goes with the turn.
+void JointIsland::slow_down() noexcept {
+    for (JointBody& body : bodies) {
+        if (body.stiffening == dmat3{0.0}) continue;
+        const dvec3 spin = body.inverse_turn * angular_momentum(body.state, *body.mass);
+        body.pushed_spin += spin - body.state.spin;
+        body.state.spin = spin;
+    }
+}
+
+void JointIsland::solve(JointGoal goal) {
+    slow_down();
+    for (JointRow& row : rows) {
+        row.impulse = dvec3{0.0};
+        if (row.ball) continue;
+        const dvec3 before = velocity_before(row);
+        row.law = row.push - row.keep * (row.rest_length > 0.0 ? glm::dot(before, row.direction) * row.direction : before);
+    }
+    const bool ahead = any_ball_ && goal == JointGoal::Positions;
+    if (factored_) {
+        const int most = ahead ? kMostIterations : any_ball_ ? kVelocityIterations : 1;
+        for (int i = 0; i < most; ++i) {
+            if (ahead) predict();
+            if (ahead && i > 0 && has_closed()) break;
+            refine(goal);
+        }
+    } else {
+        for (int i = 0; i < kSweeps; ++i) sweep(goal);
+    }
+    for (JointRow& row : rows) {
+        row.sum += row.impulse;
+        if (goal == JointGoal::Positions) row.force = row.impulse / (share_ * h_);
+    }
+}
+
+double JointIsland::worst_gap() const noexcept {
+    double worst = 0.0;
+    for (const JointRow& row : rows) {
+        if (row.ball) worst = std::max(worst, glm::length(row.gap));
+    }
+    return worst;
+}
+
+}  // namespace carom::dynamics

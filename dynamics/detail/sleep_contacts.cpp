@@ -1,0 +1,39 @@
+#include <carom/dynamics/detail/sleep_contacts.hpp>
+
+#include <utility>
+
+namespace carom::dynamics {
+namespace {
+
+void append(ContactSet& to, const ContactSet& from, const ContactPair& pair) {
+    const auto index = static_cast<std::uint32_t>(to.pairs.size());
+    const auto first = static_cast<std::uint32_t>(to.manifolds.size());
+    to.pairs.push_back(pair);
+    to.pairs.back().first_manifold = first;
+    for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
+        to.manifolds.push_back(from.manifolds[m]);
+        to.manifolds.back().pair = index;
+        to.impulses.push_back(from.impulses[m]);
+    }
+}
+
+}  // namespace
+
+void ContactMover::move(ContactSet& from, ContactSet& to, FunctionRef<bool(const ContactPair&)> goes) {
+    stay_.clear();
+    joined_.clear();
+    std::size_t next = 0;  // of `to`
+    for (const ContactPair& pair : from.pairs) {
+        if (!goes(pair)) {
+            append(stay_, from, pair);
+            continue;
+        }
+        for (; next < to.pairs.size() && to.pairs[next].key < pair.key; ++next) append(joined_, to, to.pairs[next]);
+        append(joined_, from, pair);
+    }
+    for (; next < to.pairs.size(); ++next) append(joined_, to, to.pairs[next]);
+    std::swap(from, stay_);
+    std::swap(to, joined_);
+}
+
+}  // namespace carom::dynamics
