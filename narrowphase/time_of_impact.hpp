@@ -44,7 +44,8 @@ struct TimeOfImpactSettings {
 /// @return `point` on B. Clamped: at the cap on checks.
 /// Accuracy: where Touching the shapes are within separation + tolerance, with E = 1.4e-14 (1 + |rotations|) (sizes, distance, motion).
 /// Bad input (NaN, infinity, lengths beyond 1e70 m, turns beyond 1e9 rad, settings out of range, a mesh or compound, two planes, a null hull, a plane that turns): Invalid.
-/// Cost: some 2 to 4 µs for each 2 to 5 certificates of boxes; 50 ns where balls about the pivots do not meet. No allocation; thread-safe.
+/// Cost: some 1 µs a certificate; 3 without turning, 8 for turns of 2 rad, 37 for a thin rod at 42 rad; one ball test where balls about the
+/// pivots never meet. No allocation; thread-safe.
 [[nodiscard]] Impact time_of_impact(const Shape& a, const RigidMotion& motion_a, const Shape& b, const RigidMotion& motion_b,
                                     const TimeOfImpactSettings& settings = {}, DistanceCache* cache = nullptr) noexcept;
 

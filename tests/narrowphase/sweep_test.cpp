@@ -275,44 +275,6 @@ TYPED_TEST(SweepOf, PlanesMeetTheLowestPoint) {
     }
 }
 
-TEST(Sweep, MeshesGiveTheFirstOfTheirTriangles) {
-    Random random(0x3e54);
-    std::vector<vec3> vertices;
-    std::vector<TriangleMesh::Triangle> triangles;
-    for (std::uint32_t i = 0; i < 300; ++i) {
-        const vec3 p = any_vector<float>(random, 2.0);
-        for (int k = 0; k < 3; ++k) vertices.push_back(p + any_vector<float>(random, 0.3));
-        triangles.push_back({3 * i, 3 * i + 1, 3 * i + 2});
-    }
-    const TriangleMeshPtr mesh = *TriangleMesh::build(vertices, triangles);
-    int touching = 0, separated = 0;
-    const auto judge_mesh = [&](const auto& a, const dvec3& motion) {
-        double first = 2.0;
-        std::uint32_t number = geo::MeshImpact::kNone;
-        for (std::uint32_t i = 0; i < 300; ++i) {
-            const auto c = mesh->corners(i);
-            const Impact one = geo::sweep(a, motion, geo::Triangle<double>{dvec3(c[0]), dvec3(c[1]), dvec3(c[2])});
-            if (may_touch(one.status) && one.t < first) first = one.t, number = i;
-        }
-        const geo::MeshImpact found = geo::sweep(a, motion, *mesh);
-        ASSERT_EQ(may_touch(found.status), first <= 1.0);
-        ASSERT_EQ(found.triangle, number);
-        ASSERT_EQ(found.t, std::min(first, 1.0));
-        ++(may_touch(found.status) ? touching : separated);
-    };
-    for (int i = 0; i < 400; ++i) {
-        const dvec3 from = 3.0 * test::random_direction(random), motion = any_vector<double>(random, 4.0);
-        judge_mesh(geo::Sphere<double>{from, i % 10 == 0 ? 0.0 : random.range(0.0, 0.2)}, motion);
-        judge_mesh(geo::Capsule<double>{{from, from + any_vector<double>(random, 0.5)}, random.range(0.0, 0.1)}, motion);
-        if (HasFatalFailure()) FAIL() << i;
-    }
-    EXPECT_GT(touching, 100);
-    EXPECT_GT(separated, 100);
-    EXPECT_EQ(geo::sweep(geo::Sphere<double>{dvec3{kInfinity}, 1.0}, dvec3{1.0}, *mesh).status, ImpactStatus::Invalid);
-    EXPECT_EQ(geo::sweep(geo::Capsule<double>{{dvec3{0.0}, dvec3{1.0}}, -1.0}, dvec3{1.0}, *mesh).status, ImpactStatus::Invalid);
-    EXPECT_EQ(geo::sweep(geo::Sphere<double>{dvec3{0.0}, 1.0}, dvec3{kInfinity}, *mesh).status, ImpactStatus::Invalid);
-}
-
 /// Needles and caps, whose normals are lost to rounding, and nearly parallel edges: met, and not from afar.
 TEST(Sweep, NeedlesAreMetWhereTheyAre) {
     Random random(0x4eed1e);
