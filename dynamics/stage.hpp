@@ -23,7 +23,7 @@ enum class Stage : unsigned char {
     Quarantine,
     Sleep,
 };
-inline constexpr int kStageCount = 15;
+inline constexpr int kStageCount = static_cast<int>(Stage::Sleep) + 1;
 
 /// @return the name as written above.
 [[nodiscard]] const char* to_string(Stage stage) noexcept;
