@@ -61,6 +61,8 @@ struct JointCounts {
     std::size_t islands = 0;     ///< of bodies that joints join
     std::size_t in_contact = 0;  ///< of these, with contacts too: they share the substeps of the contact solver
     std::size_t swept = 0;       ///< of the islands, those too large for WorldDef::direct_budget: solved joint by joint
+    std::size_t given_up = 0;    ///< substeps of islands that found no impulses to close their gaps, as where a rope snaps straight: nothing parts
+                                 ///< any faster there, and what gap comes of it is closed later
     double worst_gap = 0.0;      ///< of the anchors of a ball joint at the end of the step [m]
 };
 

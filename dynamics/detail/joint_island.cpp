@@ -15,13 +15,17 @@ namespace {
 constexpr double kSoftness = 1e-9;
 /// Solves for positions repeat until a gap is that small against the arms, and what rounding leaves of far positions.
 constexpr double kClosed = 1e-13, kUlp = 0x1p-51;
-constexpr int kMostIterations = 4, kVelocityIterations = 2;
+constexpr int kMostIterations = 12, kVelocityIterations = 2;
+/// Gaps beyond this, against the arms, are no solution: the rope is about to snap straight, where no impulse along the joints as they are now will do.
+constexpr double kOpen = 1e-6;
 /// Gaps that bodies were created with, or that were torn open, close by that share of the arms in a substep: all at once would be a blow.
 constexpr double kMostClosed = 0.01;
 /// Of islands too large to be factored.
 constexpr int kSweeps = 12;
 /// Where the swing of a spring takes fewer than 2 pi substeps ((ω h)² > 1) it is damped away.
 constexpr double kResolved = 1.0;
+/// A spring whose anchors move against each other by more of their distance in a substep is not resolved either.
+constexpr double kMostPassed = 0.25;
 /// Loads that turn a body back with (ω h)² above this are taken at the end of the drift, which damps such a swing.
 constexpr double kCalmTurn = 0.5;
 /// What is locked has so many times the mass in the matrix; the impulses themselves never move it.
@@ -169,7 +173,9 @@ void JointIsland::set_up_spring(JointRow& row, double share) const noexcept {
         stiffness += bodies[as_index(end)].stiffness;
         damping += bodies[as_index(end)].damping;
     }
-    const bool resolved = h_ * h_ * stiffness <= kResolved, lightly = h_ * damping <= kResolved;
+    // Near its middle the direction of a spring may turn over within a substep.
+    const bool turns = row.rest_length > 0.0 && h_ * glm::length(velocity_of(row)) > kMostPassed * glm::length(row.gap);
+    const bool resolved = h_ * h_ * stiffness <= kResolved && !turns, lightly = h_ * damping <= kResolved;
     const double length = glm::length(row.gap), stretch = length - row.rest_length;
     const double pull = length > 0.0 ? std::max(row.stiffness * stretch / length, 0.0) : 0.0;  // stiffness across
     const double weight = share > 0.0 ? 1.0 : 0.0;
@@ -272,12 +278,12 @@ void JointIsland::predict() {
     }
 }
 
-bool JointIsland::has_closed() const noexcept {
+bool JointIsland::has_closed(double share) const noexcept {
     for (std::size_t i = 0; i < rows.size(); ++i) {
         if (!rows[i].ball) continue;
         double far = 0.0;
         for (const JointEnd* end : {&rows[i].a, &rows[i].b}) far += glm::length(end->body >= 0 ? next_[as_index(end->body)].position : end->start.position);
-        const double most = kClosed * (glm::length(rows[i].arm_a) + glm::length(rows[i].arm_b)) + kUlp * far;
+        const double most = share * (glm::length(rows[i].arm_a) + glm::length(rows[i].arm_b)) + kUlp * far;
         if (!(glm::length(ahead_[i]) <= most)) return false;
     }
     return true;
@@ -352,6 +358,23 @@ void JointIsland::slow_down() noexcept {
     }
 }
 
+// Newton's steps. Where they do not come to a solution, what they gave is taken back, and the anchors are only kept from parting: a projection of the
+// velocities, which takes energy out and adds none. The gap that the drift then opens is closed later.
+void JointIsland::close_gaps() {
+    before_.assign(bodies.begin(), bodies.end());
+    for (int i = 0; i < kMostIterations; ++i) {
+        predict();
+        if (i > 0 && has_closed(kClosed)) return;
+        refine(JointGoal::Positions);
+    }
+    predict();
+    if (has_closed(kOpen)) return;
+    ++given_up_;
+    for (std::size_t i = 0; i < bodies.size(); ++i) bodies[i] = before_[i];
+    for (JointRow& row : rows) row.impulse = dvec3{0.0};
+    for (int i = 0; i < kVelocityIterations; ++i) refine(JointGoal::Velocities);
+}
+
 void JointIsland::solve(JointGoal goal) {
     slow_down();
     for (JointRow& row : rows) {
@@ -361,13 +384,10 @@ void JointIsland::solve(JointGoal goal) {
         row.law = row.push - row.keep * (row.rest_length > 0.0 ? glm::dot(before, row.direction) * row.direction : before);
     }
     const bool ahead = any_ball_ && goal == JointGoal::Positions;
-    if (factored_) {
-        const int most = ahead ? kMostIterations : any_ball_ ? kVelocityIterations : 1;
-        for (int i = 0; i < most; ++i) {
-            if (ahead) predict();
-            if (ahead && i > 0 && has_closed()) break;
-            refine(goal);
-        }
+    if (factored_ && ahead) {
+        close_gaps();
+    } else if (factored_) {
+        for (int i = 0; i < (any_ball_ ? kVelocityIterations : 1); ++i) refine(goal);
     } else {
         for (int i = 0; i < kSweeps; ++i) sweep(goal);
     }

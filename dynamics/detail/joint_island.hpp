@@ -13,6 +13,7 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace carom::dynamics {
@@ -88,6 +89,8 @@ public:
 
     /// The largest gap of a ball joint, as look() found it [m].
     [[nodiscard]] double worst_gap() const noexcept;
+    /// @return how many solves for positions came to no solution since the last call.
+    [[nodiscard]] std::size_t take_given_up() noexcept { return std::exchange(given_up_, 0u); }
 
 private:
     [[nodiscard]] BodyState drifted(const JointBody& body) const;
@@ -108,12 +111,16 @@ private:
     void refine(JointGoal goal);
     void sweep(JointGoal goal);
     void give(JointRow& row, const dvec3& impulse) noexcept;
-    [[nodiscard]] bool has_closed() const noexcept;
+    void close_gaps();
+    /// @param share  of the arms, that gaps may have.
+    [[nodiscard]] bool has_closed(double share) const noexcept;
 
     double h_ = 0.0, time_ = 0.0, share_ = 0.0;
     bool direct_ = false, factored_ = false, any_ball_ = false;
     BlockCholesky factor_;
     std::vector<BlockEdge> edges_;
+    std::size_t given_up_ = 0;
+    std::vector<JointBody> before_;  // a solve that may be taken back
     std::vector<Vector6> step_;
     std::vector<dvec3> wanted_;   // by row: missing()
     std::vector<dvec3> ahead_;    // by row: the gap at the end of the drift, less what may be left of it

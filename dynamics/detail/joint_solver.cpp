@@ -271,10 +271,14 @@ void JointSolver::relax(ContactSolver& contacts, int substep, Executor& executor
 void JointSolver::finish(JointSet& joints) {
     for (const JointId id : joints.order()) {
         JointRecord& record = *joints.find(id);
+        const auto [a, b] = bodies_of(record.def);
+        const auto sleeps = [&](BodyId body) { return body && bodies_->roles[body.slot] == Role::Asleep; };
+        if (sleeps(a) || sleeps(b)) continue;  // it wakes with what it had
         record.impulse = dvec3{0.0};
         record.dt = step_.dt;
     }
-    for (const JointIsland& island : islands_) {
+    for (JointIsland& island : islands_) {
+        counts_.given_up += island.take_given_up();
         for (const JointRow& row : island.rows) joints.find(row.id)->impulse = row.sum;
         counts_.worst_gap = std::max(counts_.worst_gap, island.worst_gap());
     }

