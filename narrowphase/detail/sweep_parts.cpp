@@ -57,7 +57,10 @@ SweepPart sweep_segment(const SweepPath& path, const dvec3& q, const dvec3& u) n
     const double t = std::max(w.from * kRounded, 0.0);
     const double s = glm::dot(t * path.motion - q, along);
     if (s >= 0.0 && s <= length) return contact(t, q + s * along - t * path.motion, path, path.motion);
-    return earlier(sweep_point(path, q), sweep_point(path, q + u));
+    // Grown, so that what enters the round past an end and sinks on its way in does not slip between the two by rounding.
+    SweepPath ends = path;
+    ends.radius += kGrowth * path.size;
+    return earlier(sweep_point(ends, q), sweep_point(ends, q + u));
 }
 
 bool is_needle(const SweepPath& path, const dvec3& u, const dvec3& v) noexcept {
@@ -65,8 +68,12 @@ bool is_needle(const SweepPath& path, const dvec3& u, const dvec3& v) noexcept {
     return !(kGrowth * path.size * (a * b) * std::max(a, b) < twice * twice);
 }
 
-double needle_width(const SweepPath& path, const dvec3& u, const dvec3& v) noexcept {
-    if (!is_needle(path, u, v)) return 0.0;
+double face_slack(const SweepPath& path, const dvec3& u, const dvec3& v) noexcept {
+    return kGrowth * (glm::length(u) * glm::length(v) / glm::length(glm::cross(u, v))) * path.size;
+}
+
+double rim_growth(const SweepPath& path, const dvec3& u, const dvec3& v) noexcept {
+    if (!is_needle(path, u, v)) return 2.0 * face_slack(path, u, v);
     const double longest = std::max(glm::length(u), glm::length(v));
     const double rounding = kGrowth * std::min(glm::length(u), glm::length(v));
     return longest > 0.0 ? glm::length(glm::cross(u, v)) / longest + rounding : 0.0;
@@ -76,9 +83,8 @@ SweepPart sweep_face(const SweepPath& path, const dvec3& q, const dvec3& u, cons
     const dvec3 area = glm::cross(u, v);
     const double twice = glm::length(area);
     if (is_needle(path, u, v)) return {};
-    // The normal is uncertain by eps over the sine of the angle.
-    const double slack = kGrowth * (glm::length(u) * glm::length(v) / twice) * path.size;
-    const double radius = path.radius + slack;
+    // Half of it, which is enough: what enters beside the face below this height, and what rounding adds, the rim is to hold.
+    const double slack = face_slack(path, u, v), radius = path.radius + 0.5 * slack;
     dvec3 n = area / twice;
     double height = -glm::dot(n, q);  // of the moving point over the face
     if (height < 0.0) n = -n, height = -height;
@@ -91,8 +97,9 @@ SweepPart sweep_face(const SweepPath& path, const dvec3& q, const dvec3& u, cons
     }
     const dvec3 p = t * path.motion - q;
     const double r = glm::dot(glm::cross(p, v), area), s = glm::dot(glm::cross(u, p), area);
-    const double whole = twice * twice, rim = slack * twice * std::max(glm::length(u), glm::length(v));
-    const bool inside = r >= -rim && s >= -rim && (kind == FaceKind::Triangle ? r + s <= whole + rim : r <= whole + rim && s <= whole + rim);
+    const double whole = twice * twice, rim_r = slack * twice * glm::length(v), rim_s = slack * twice * glm::length(u);
+    const bool inside = r >= -rim_r && s >= -rim_s &&
+                        (kind == FaceKind::Triangle ? r + s <= whole + rim_r + rim_s : r <= whole + rim_r && s <= whole + rim_s);
     return inside ? SweepPart{t, -n} : SweepPart{};
 }
 
