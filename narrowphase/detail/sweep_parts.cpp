@@ -14,7 +14,16 @@ struct Within {
     double to = -1.0;
 };
 
-Within within(const dvec3& q, const dvec3& d, double radius) noexcept {
+/// Squares of shorter motions, times those of the least radius, underflow; below these lengths segments and faces are less than growth hides.
+constexpr double kShortMotion = 1e-60;
+constexpr double kShortSegment = 1e-100;
+constexpr double kShortFace = 1e-69;
+
+dvec3 times_power(const dvec3& v, int exponent) noexcept {
+    return {std::ldexp(v.x, exponent), std::ldexp(v.y, exponent), std::ldexp(v.z, exponent)};
+}
+
+Within within_usual(const dvec3& q, const dvec3& d, double radius) noexcept {
     constexpr double kEver = std::numeric_limits<double>::infinity();
     const double dd = glm::dot(d, d);
     const double away = glm::length(q);
@@ -27,6 +36,14 @@ Within within(const dvec3& q, const dvec3& d, double radius) noexcept {
     if (along > 0.0) return {product / (along + root), (along + root) / dd};
     if (along < 0.0) return {(along - root) / dd, product / (along - root)};
     return {-root / dd, root / dd};
+}
+
+Within within(const dvec3& q, const dvec3& d, double radius) noexcept {
+    const double largest = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
+    if (largest >= kShortMotion || largest == 0.0) return within_usual(q, d, radius);
+    const int exponent = std::ilogb(largest);
+    const Within scaled = within_usual(q, times_power(d, -exponent), radius);
+    return scaled.to < scaled.from ? Within{} : Within{std::ldexp(scaled.from, -exponent), std::ldexp(scaled.to, -exponent)};
 }
 
 /// @param gap  from the moving point to the part at t; @param otherwise  the normal where the two coincide, to within rounding.
@@ -48,7 +65,7 @@ SweepPart sweep_point(const SweepPath& path, const dvec3& q) noexcept {
 
 SweepPart sweep_segment(const SweepPath& path, const dvec3& q, const dvec3& u) noexcept {
     const double uu = glm::dot(u, u);
-    if (!(uu > 0.0)) return sweep_point(path, q);
+    if (!(uu > kShortSegment * kShortSegment)) return sweep_point(path, q);
     // Round the axis: the components across it, turned by a right angle.
     const double length = std::sqrt(uu);
     const dvec3 along = u / length;
@@ -65,6 +82,7 @@ SweepPart sweep_segment(const SweepPath& path, const dvec3& q, const dvec3& u) n
 
 bool is_needle(const SweepPath& path, const dvec3& u, const dvec3& v) noexcept {
     const double twice = glm::length(glm::cross(u, v)), a = glm::length(u), b = glm::length(v);
+    if (std::max(a, b) < kShortFace) return true;
     return !(kGrowth * path.size * (a * b) * std::max(a, b) < twice * twice);
 }
 

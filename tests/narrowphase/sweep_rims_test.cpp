@@ -26,5 +26,32 @@ TEST(SweepRims, ShortAxesMakeUpNothingBesideAnEdge) {
     }
 }
 
+// Lengths whose squares are less than any number are lengths.
+TEST(SweepRims, LengthsWithoutASquareAreNeverLate) {
+    for (const double tiny : {1e-100, 1e-150, 1e-155, 1e-160, 3e-161, 5e-162, 1e-163, 1e-300, 5e-324}) {
+        const dvec3 along = tiny * glm::normalize(dvec3{1.0, 0.3, -0.4});
+        const geo::Sphere<double> ball{{0.0, 0.0, 0.0}, 0.5};
+        // As an axis: true at 0.4.
+        const Impact onto = geo::sweep(ball, {0.0, 10.0, 0.0}, geo::Capsule<double>{{{0.0, 5.0, 0.0}, {tiny, 5.0, 0.0}}, 0.5});
+        ASSERT_EQ(onto.status, ImpactStatus::Touching) << tiny;
+        EXPECT_LE(onto.t, 0.4) << tiny;
+        // As a motion.
+        for (const dvec3& q : {dvec3{0.69, 0.0, 0.0}, dvec3{0.2, -0.3, 0.4}, dvec3{-0.4, 0.4, 0.4}}) {
+            EXPECT_EQ(geo::sweep(ball, along, geo::Sphere<double>{q, 0.2}).status, ImpactStatus::Overlapping) << tiny;
+            EXPECT_EQ(geo::sweep(ball, along, geo::Capsule<double>{{q, 2.0 * q}, 0.2}).status, ImpactStatus::Overlapping) << tiny;
+        }
+        EXPECT_EQ(geo::sweep(ball, along, geo::Sphere<double>{{0.8, 0.0, 0.0}, 0.2}).status, ImpactStatus::Separated) << tiny;
+        // As the axis of a disc, towards which a half-space rises.
+        const geo::Plane<double> roof{{0.0, 0.8, -0.6}, 0.0};
+        const Impact disc = geo::sweep(roof, {0.0, 2.0, 0.0}, geo::Cylinder<double>{{{0.0, 1.25, 0.0}, {0.0, 1.25, tiny}}, 0.5});
+        ASSERT_EQ(disc.status, ImpactStatus::Touching) << tiny;
+        EXPECT_LE(disc.t, 0.375) << tiny;  // (1 - 0.8 * 0.5) / (0.8 * 2)
+        // As a plane's normal: right, or not answered.
+        const Impact fall = geo::sweep(geo::Sphere<double>{{0.0, 6.0, 0.0}, 1.0}, {0.0, -10.0, 0.0}, geo::Plane<double>{{0.0, tiny, 0.0}, 0.0});
+        EXPECT_TRUE(fall.status == (tiny < 1e-140 ? ImpactStatus::Invalid : ImpactStatus::Touching)) << tiny;
+        EXPECT_LE(fall.t, 0.5) << tiny;
+    }
+}
+
 }  // namespace
 }  // namespace carom
