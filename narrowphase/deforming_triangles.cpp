@@ -52,7 +52,8 @@ MovingDifference difference_of(const Corners& corners) noexcept {
     return d;
 }
 
-/// A direction that separates where the nearest points are too close to show one: across the plane, along it across a side, an axis.
+/// A direction that separates where the nearest points are too close to show one: across the plane, along it across a side, across the longest
+/// side and the motion (which lets parallel edges pass each other), an axis.
 TimeSpan last_resort(const MovingDifference& d, double t, double separation, int& checks) noexcept {
     const std::array<std::size_t, 4> round = d.count == 3 ? std::array<std::size_t, 4>{0, 1, 2, 0} : std::array<std::size_t, 4>{0, 1, 3, 2};
     std::array<dvec3, 4> at{dvec3{0.0}, dvec3{0.0}, dvec3{0.0}, dvec3{0.0}};
@@ -70,7 +71,14 @@ TimeSpan last_resort(const MovingDifference& d, double t, double separation, int
     const dvec3 flat = glm::cross(at[1] - at[0], at[2] - at[0]);
     attempt(flat);
     const auto sides = static_cast<std::size_t>(d.count);
-    for (std::size_t i = 0; i < sides; ++i) attempt(glm::cross(flat, at[round[(i + 1) % sides]] - at[round[i]]));
+    dvec3 longest{0.0}, motion{0.0};
+    for (std::size_t i = 0; i < sides; ++i) {
+        const dvec3 side = at[round[(i + 1) % sides]] - at[round[i]];
+        attempt(glm::cross(flat, side));
+        if (glm::dot(side, side) > glm::dot(longest, longest)) longest = side;
+        motion += d.end[i] - d.start[i];
+    }
+    attempt(glm::cross(longest, motion));
     attempt({1.0, 0.0, 0.0});
     attempt({0.0, 1.0, 0.0});
     attempt({0.0, 0.0, 1.0});

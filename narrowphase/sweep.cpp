@@ -38,7 +38,7 @@ SweepPart sweep_core(const SweepPath& path, const TriangleCore& t) noexcept {
     const bool at_a = a >= b && a >= c, at_b = !at_a && b >= c;
     const dvec3 &corner = at_a ? t.a : at_b ? t.b : t.c, &u = at_a ? ab : at_b ? bc : ca, &back = at_a ? ca : at_b ? ab : bc;
     SweepPath rim = path;
-    rim.radius += needle_width(path, u, -back);
+    rim.radius += rim_growth(path, u, -back);
     SweepPart first = sweep_face(path, corner, u, -back, FaceKind::Triangle);
     first = earlier(first, sweep_segment(rim, t.a, ab));
     first = earlier(first, sweep_segment(rim, t.b, bc));
@@ -48,7 +48,7 @@ SweepPart sweep_core(const SweepPath& path, const TriangleCore& t) noexcept {
 /// The parallelogram that the edge q, q + u of B makes with the axis of A, and its rim.
 SweepPart sweep_edges(const SweepPath& path, const dvec3& axis, const dvec3& q, const dvec3& u) noexcept {
     SweepPath rim = path;
-    rim.radius += needle_width(path, u, axis);
+    rim.radius += rim_growth(path, u, axis);
     SweepPart first = sweep_face(path, q, u, -axis, FaceKind::Parallelogram);
     first = earlier(first, sweep_segment(rim, q, u));
     first = earlier(first, sweep_segment(rim, q - axis, u));

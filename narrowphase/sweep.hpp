@@ -10,13 +10,15 @@
 //              or Separated.
 //   Contact    `point` lies on B, `normal` points from A to B; for Overlapping both are zero. A triangle is solid on both sides.
 //   Guarantee  t is never later than the true time, and what is Separated is apart at every t. Each answer is that of B with its surface
-//              moved outward by at most k eps S, k = 64, eps = 2.2e-16 (computed in double for float too), S the distance of A from B's
-//              farthest point plus both radii, plus 1e-70 m; t is rounded downward to T. Of triangles whose largest angle is a, and of
-//              edges that meet at the angle a, it is k eps S / sin a, but never more than 2e-7 S. So contact is reported at most that much too
-//              early, measured along the normal, and only what passes within that is made up.
-//   Bad input  NaN or infinity, a negative radius or half extent, an inverted box, a zero plane normal, coordinates beyond 1e70: Invalid.
+//              moved outward by at most k eps S, k = 96, eps = 2.2e-16 (computed in double for float too), S the distance of A from B's
+//              farthest point plus both radii (of half-spaces motion and offset besides), plus 1e-69 m; t is rounded downward to T.
+//              Of triangles whose largest angle is a, and of edges that meet at the angle a, k is 160 and it is k eps S / sin a, but never
+//              more than 3e-7 S. So contact is reported at most that much too early, measured along the normal, and only what passes
+//              within that is made up.
+//   Bad input  NaN or infinity, a negative radius or half extent, an inverted box, a plane's normal shorter than 1e-140, coordinates
+//              beyond 1e70: Invalid.
 //              Shapes of zero size are points, segments and rectangles.
-//   Cost       O(1), no allocation, thread-safe: 30 to 200 ns for spheres, 60 to 320 ns for capsules against round shapes, 2 µs else.
+//   Cost       O(1), no allocation, thread-safe: 30 to 230 ns for spheres, 60 to 400 ns for capsules against round shapes, 2 to 3 µs else.
 //
 // Method: a moving sphere touches S where its centre, a ray, meets S grown by the radius (Ericson, Real-Time Collision Detection, 2005, sec.
 // 5.5): the union of the faces moved outward, cylinders about the edges and balls about the corners. A moving capsule besides meets
@@ -56,7 +58,7 @@ template <class T>
 [[nodiscard]] BasicImpact<T> sweep(const Capsule<T>& a, const Vec3<T>& motion, const Sphere<T>& b) noexcept;
 template <class T>
 [[nodiscard]] BasicImpact<T> sweep(const Capsule<T>& a, const Vec3<T>& motion, const Capsule<T>& b) noexcept;
-/// The ends as spheres, and the axis against those of the twelve edges that its path comes near: some 2 µs where it meets the box.
+/// The ends as spheres, and the axis against those of the twelve edges that its path comes near: 2 to 3 µs where it meets the box.
 template <class T>
 [[nodiscard]] BasicImpact<T> sweep(const Capsule<T>& a, const Vec3<T>& motion, const Aabb<T>& b) noexcept;
 template <class T>

@@ -45,12 +45,19 @@ Lowest lowest(const Obb<T>& b, const dvec3& n) noexcept {
 template <class T>
 Lowest lowest(const Cylinder<T>& c, const dvec3& n) noexcept {
     Lowest low = lower_end(dvec3(c.axis.a), dvec3(c.axis.b), n);
-    const dvec3 axis = dvec3(c.axis.b) - dvec3(c.axis.a);
+    low.size += double(c.radius);
+    dvec3 axis = dvec3(c.axis.b) - dvec3(c.axis.a);
+    const double longest = std::max({std::abs(axis.x), std::abs(axis.y), std::abs(axis.z)});
+    if (longest == 0.0) {  // a disc that faces anywhere
+        low.point -= double(c.radius) * n;
+        return low;
+    }
+    const int exponent = std::ilogb(longest);
+    axis = {std::ldexp(axis.x, -exponent), std::ldexp(axis.y, -exponent), std::ldexp(axis.z, -exponent)};
     // The part of n across the axis, which keeps its accuracy where n runs along it.
     const dvec3 across = glm::cross(axis, glm::cross(n, axis));
     const double length = glm::length(across);
     if (length > 0.0) low.point -= double(c.radius) / length * across;
-    low.size += double(c.radius);
     return low;
 }
 template <class T>

@@ -26,7 +26,24 @@ bool fit(const RigidMotion& m) noexcept {
            within(m.pivot, kLargestLength) && within(m.rotation, kLargestTurn);
 }
 bool fit(const TimeOfImpactSettings& s) noexcept {
-    return is_finite(s.separation) && is_finite(s.tolerance) && s.separation >= 0.0 && s.tolerance >= 0.0 && s.most_checks >= 1;
+    const auto usual = [](double length) { return length >= 0.0 && length <= kLargestLength; };
+    return usual(s.separation) && usual(s.tolerance) && s.most_checks >= 1;
+}
+
+bool is_size(float x) noexcept { return is_finite(x) && x >= 0.0f; }
+bool fit(const Sphere& s) noexcept { return is_size(s.radius); }
+bool fit(const Box& b) noexcept { return is_size(b.half_extents.x) && is_size(b.half_extents.y) && is_size(b.half_extents.z); }
+bool fit(const Capsule& c) noexcept { return is_size(c.radius) && is_size(c.half_segment); }
+bool fit(const Cylinder& c) noexcept { return is_size(c.radius) && is_size(c.half_height); }
+bool fit(const Cone& c) noexcept { return is_size(c.radius) && is_size(c.half_height); }
+bool fit(const Plane& p) noexcept { return is_finite(p.normal) && is_finite(p.offset) && p.normal != vec3{0.0f}; }
+template <class Pointer>
+bool fit(const Pointer&) noexcept {
+    return true;  // checked when it was built, or for null by query_fault()
+}
+/// Sizes of zero are: a point, a segment, a rectangle. validate() asks for more, and allocates to say what.
+bool is_shape(const Shape& shape) noexcept {
+    return std::visit([](const auto& alternative) { return fit(alternative); }, shape);
 }
 
 dvec3 pivot_of(const RigidMotion& m) noexcept { return m.start.position + rotate(m.start.orientation, m.pivot); }
@@ -107,7 +124,8 @@ Pose pose_at(const RigidMotion& motion, double t) noexcept {
 
 Impact time_of_impact(const Shape& a, const RigidMotion& motion_a, const Shape& b, const RigidMotion& motion_b,
                       const TimeOfImpactSettings& settings, DistanceCache* cache) noexcept {
-    if (!fit(motion_a) || !fit(motion_b) || !fit(settings) || detail::query_fault(a, b).what != nullptr) return kInvalid;
+    if (!fit(motion_a) || !fit(motion_b) || !fit(settings) || !is_shape(a) || !is_shape(b)) return kInvalid;
+    if (detail::query_fault(a, b).what != nullptr) return kInvalid;
     const bool swapped = type_of(a) == ShapeType::Plane;
     if (swapped) {
         Impact impact = time_of_impact(b, motion_b, a, motion_a, settings, cache);
@@ -122,7 +140,7 @@ Impact time_of_impact(const Shape& a, const RigidMotion& motion_a, const Shape& 
 geo::MeshImpact time_of_impact(const Shape& a, const RigidMotion& motion_a, const TriangleMesh& b, const RigidMotion& motion_b,
                                const TimeOfImpactSettings& settings) {
     const Shape ball = Sphere{};
-    if (!fit(motion_a) || !fit(motion_b) || !fit(settings) || type_of(a) == ShapeType::Plane ||
+    if (!fit(motion_a) || !fit(motion_b) || !fit(settings) || !is_shape(a) || type_of(a) == ShapeType::Plane ||
         detail::query_fault(a, ball).what != nullptr) {
         return {kInvalid};
     }

@@ -25,8 +25,8 @@ struct RigidMotion {
 [[nodiscard]] Pose pose_at(const RigidMotion& motion, double t) noexcept;
 
 struct TimeOfImpactSettings {
-    double separation = 0.0;  ///< shapes this near count as touching [m]; >= 0, finite
-    double tolerance = 0.0;   ///< the search ends once they are within separation + tolerance [m]; >= 0. At least 1e-9 of their sizes
+    double separation = 0.0;  ///< shapes this near count as touching [m]; 0 to 1e70
+    double tolerance = 0.0;   ///< the search ends once they are within separation + tolerance [m]; 0 to 1e70. At least 1e-9 of their sizes
     int most_checks = 128;    ///< cap on the certificates, each of which moves t on; >= 1
 };
 
@@ -43,7 +43,9 @@ struct TimeOfImpactSettings {
 /// @param cache  null, or where the search for closest points begins; see DistanceCache.
 /// @return `point` on B. Clamped: at the cap on checks.
 /// Accuracy: where Touching the shapes are within separation + tolerance, with E = 1.4e-14 (1 + |rotations|) (sizes, distance, motion).
-/// Bad input (NaN, infinity, lengths beyond 1e70 m, turns beyond 1e9 rad, settings out of range, a mesh or compound, two planes, a null hull, a plane that turns): Invalid.
+/// Bad input: Invalid. NaN, infinity, lengths beyond 1e70 m (of settings too), turns beyond 1e9 rad, settings out of range; of shapes sizes that
+/// are negative or not finite and a plane's normal of zero, a mesh or compound, two planes, a null hull, a plane that turns. Sizes of zero are points,
+/// segments, rectangles.
 /// Cost: some 1 µs a certificate; 3 without turning, 8 for turns of 2 rad, 37 for a thin rod at 42 rad; one ball test where balls about the
 /// pivots never meet. No allocation; thread-safe.
 [[nodiscard]] Impact time_of_impact(const Shape& a, const RigidMotion& motion_a, const Shape& b, const RigidMotion& motion_b,

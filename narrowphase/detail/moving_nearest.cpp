@@ -3,7 +3,10 @@
 #include <carom/narrowphase/detail/moving_difference.hpp>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <limits>
+#include <span>
 
 namespace carom::detail {
 namespace {
@@ -24,8 +27,32 @@ NearestCorner towards(const dvec3& point, const dvec3* flat, double u) noexcept 
     return {n / distance, distance, u};
 }
 
+/// Figures thinner than the root of this, by their length, are their outlines: what decides what is inside, and their normal, are differences
+/// of products, which rounding spoils well before they vanish.
+constexpr double kThin = 1e-10;
+
+/// @param corner  in order round the figure. Where the nearest point is within a side, the normal is made perpendicular to it once more, since
+/// the point, a sum of far larger vectors, is not.
+NearestCorner nearest_on_outline(std::span<const dvec3> corner) noexcept {
+    NearestCorner nearest{dvec3{0.0}, std::numeric_limits<double>::infinity(), 0.0};
+    for (std::size_t i = 0; i < corner.size(); ++i) {
+        const dvec3 &a = corner[i], side = corner[(i + 1) % corner.size()] - a;
+        const double sq = glm::dot(side, side);
+        const double s = sq > 0.0 ? std::clamp(-glm::dot(a, side) / sq, 0.0, 1.0) : 0.0;
+        dvec3 point = a + s * side;
+        if (s > 0.0 && s < 1.0) point -= (glm::dot(point, side) / sq) * side;
+        const double distance = glm::length(point);
+        if (!(distance < nearest.distance)) continue;
+        const std::array<double, 4> u{s, 1.0, 1.0 - s, 0.0};
+        nearest = {distance > 0.0 ? point / distance : dvec3{0.0}, distance, u[i]};
+    }
+    return nearest;
+}
+
 NearestCorner nearest_on_triangle(const dvec3& a, const dvec3& b, const dvec3& c) noexcept {
-    const dvec3 ab = b - a, ac = c - a;
+    const dvec3 ab = b - a, ac = c - a, flat = glm::cross(ab, ac);
+    const double longest = std::max({glm::dot(ab, ab), glm::dot(ac, ac), glm::dot(c - b, c - b)});
+    if (!(glm::dot(flat, flat) > kThin * longest * longest)) return nearest_on_outline(std::array{a, b, c});
     const double d1 = -glm::dot(ab, a), d2 = -glm::dot(ac, a);
     if (d1 <= 0.0 && d2 <= 0.0) return towards(a, nullptr, 0.0);
     const double d3 = -glm::dot(ab, b), d4 = -glm::dot(ac, b);
@@ -40,7 +67,6 @@ NearestCorner nearest_on_triangle(const dvec3& a, const dvec3& b, const dvec3& c
     if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) {
         return towards(b + ((d4 - d3) / ((d4 - d3) + (d5 - d6))) * (c - b), nullptr, 0.0);
     }
-    const dvec3 flat = glm::cross(ab, ac);
     return towards(a, &flat, 0.0);
 }
 
@@ -49,19 +75,16 @@ NearestCorner nearest_on_parallelogram(const dvec3& w, const dvec3& p, const dve
     const double pp = glm::dot(p, p), qq = glm::dot(q, q), pq = glm::dot(p, q);
     const double pw = glm::dot(p, w), qw = glm::dot(q, w);
     const double det = pp * qq - pq * pq;
-    const auto best_u = [&](double v) { return pp > 0.0 ? std::clamp(-(pw + v * pq) / pp, 0.0, 1.0) : 0.0; };
-    if (det > 1e-20 * pp * qq) {
-        const double u = (pq * qw - qq * pw) / det;
-        const double v = (pq * pw - pp * qw) / det;
-        if (u >= 0.0 && u <= 1.0 && v >= 0.0 && v <= 1.0) {
-            const dvec3 flat = glm::cross(p, q);
-            return towards(w, &flat, u);
-        }
+    if (!(det > kThin * pp * qq)) return nearest_on_outline(std::array{w, w + p, w + p + q, w + q});
+    double u = (pq * qw - qq * pw) / det;
+    const double inside_v = (pq * pw - pp * qw) / det;
+    if (u >= 0.0 && u <= 1.0 && inside_v >= 0.0 && inside_v <= 1.0) {
+        const dvec3 flat = glm::cross(p, q);
+        return towards(w, &flat, u);
     }
     // On the outline: clamp u, then v for it, then u again.
-    double u = det > 1e-20 * pp * qq ? std::clamp((pq * qw - qq * pw) / det, 0.0, 1.0) : 0.0;
-    const double v = qq > 0.0 ? std::clamp(-(qw + u * pq) / qq, 0.0, 1.0) : 0.0;
-    u = best_u(v);
+    const double v = std::clamp(-(qw + std::clamp(u, 0.0, 1.0) * pq) / qq, 0.0, 1.0);
+    u = std::clamp(-(pw + v * pq) / pp, 0.0, 1.0);
     return towards(w + u * p + v * q, nullptr, u);
 }
 

@@ -60,9 +60,10 @@ template <class T>
 [[nodiscard]] bool fit(const Cylinder<T>& c) noexcept {
     return usual_vector(c.axis.a) && usual_vector(c.axis.b) && c.radius >= T(0) && usual(double(c.radius));
 }
+inline constexpr double kShortestNormal = 1e-140;  ///< squares of shorter ones lose digits
 template <class T>
 [[nodiscard]] bool fit(const Plane<T>& p) noexcept {
-    return usual_vector(p.normal) && usual(double(p.offset)) && glm::dot(dvec3(p.normal), dvec3(p.normal)) > 0.0;
+    return usual_vector(p.normal) && usual(double(p.offset)) && glm::length(dvec3(p.normal)) >= kShortestNormal;
 }
 
 inline constexpr Impact kInvalidImpact{.status = ImpactStatus::Invalid, .t = 0.0};

@@ -14,7 +14,16 @@ struct Within {
     double to = -1.0;
 };
 
-Within within(const dvec3& q, const dvec3& d, double radius) noexcept {
+/// Squares of shorter motions, times those of the least radius, underflow; below these lengths segments and faces are less than growth hides.
+constexpr double kShortMotion = 1e-60;
+constexpr double kShortSegment = 1e-100;
+constexpr double kShortFace = 1e-69;
+
+dvec3 times_power(const dvec3& v, int exponent) noexcept {
+    return {std::ldexp(v.x, exponent), std::ldexp(v.y, exponent), std::ldexp(v.z, exponent)};
+}
+
+Within within_usual(const dvec3& q, const dvec3& d, double radius) noexcept {
     constexpr double kEver = std::numeric_limits<double>::infinity();
     const double dd = glm::dot(d, d);
     const double away = glm::length(q);
@@ -27,6 +36,14 @@ Within within(const dvec3& q, const dvec3& d, double radius) noexcept {
     if (along > 0.0) return {product / (along + root), (along + root) / dd};
     if (along < 0.0) return {(along - root) / dd, product / (along - root)};
     return {-root / dd, root / dd};
+}
+
+Within within(const dvec3& q, const dvec3& d, double radius) noexcept {
+    const double largest = std::max({std::abs(d.x), std::abs(d.y), std::abs(d.z)});
+    if (largest >= kShortMotion || largest == 0.0) return within_usual(q, d, radius);
+    const int exponent = std::ilogb(largest);
+    const Within scaled = within_usual(q, times_power(d, -exponent), radius);
+    return scaled.to < scaled.from ? Within{} : Within{std::ldexp(scaled.from, -exponent), std::ldexp(scaled.to, -exponent)};
 }
 
 /// @param gap  from the moving point to the part at t; @param otherwise  the normal where the two coincide, to within rounding.
@@ -48,7 +65,7 @@ SweepPart sweep_point(const SweepPath& path, const dvec3& q) noexcept {
 
 SweepPart sweep_segment(const SweepPath& path, const dvec3& q, const dvec3& u) noexcept {
     const double uu = glm::dot(u, u);
-    if (!(uu > 0.0)) return sweep_point(path, q);
+    if (!(uu > kShortSegment * kShortSegment)) return sweep_point(path, q);
     // Round the axis: the components across it, turned by a right angle.
     const double length = std::sqrt(uu);
     const dvec3 along = u / length;
@@ -57,16 +74,24 @@ SweepPart sweep_segment(const SweepPath& path, const dvec3& q, const dvec3& u) n
     const double t = std::max(w.from * kRounded, 0.0);
     const double s = glm::dot(t * path.motion - q, along);
     if (s >= 0.0 && s <= length) return contact(t, q + s * along - t * path.motion, path, path.motion);
-    return earlier(sweep_point(path, q), sweep_point(path, q + u));
+    // Grown, so that what enters the round past an end and sinks on its way in does not slip between the two by rounding.
+    SweepPath ends = path;
+    ends.radius += kGrowth * path.size;
+    return earlier(sweep_point(ends, q), sweep_point(ends, q + u));
 }
 
 bool is_needle(const SweepPath& path, const dvec3& u, const dvec3& v) noexcept {
     const double twice = glm::length(glm::cross(u, v)), a = glm::length(u), b = glm::length(v);
+    if (std::max(a, b) < kShortFace) return true;
     return !(kGrowth * path.size * (a * b) * std::max(a, b) < twice * twice);
 }
 
-double needle_width(const SweepPath& path, const dvec3& u, const dvec3& v) noexcept {
-    if (!is_needle(path, u, v)) return 0.0;
+double face_slack(const SweepPath& path, const dvec3& u, const dvec3& v) noexcept {
+    return kGrowth * (glm::length(u) * glm::length(v) / glm::length(glm::cross(u, v))) * path.size;
+}
+
+double rim_growth(const SweepPath& path, const dvec3& u, const dvec3& v) noexcept {
+    if (!is_needle(path, u, v)) return 2.0 * face_slack(path, u, v);
     const double longest = std::max(glm::length(u), glm::length(v));
     const double rounding = kGrowth * std::min(glm::length(u), glm::length(v));
     return longest > 0.0 ? glm::length(glm::cross(u, v)) / longest + rounding : 0.0;
@@ -76,9 +101,8 @@ SweepPart sweep_face(const SweepPath& path, const dvec3& q, const dvec3& u, cons
     const dvec3 area = glm::cross(u, v);
     const double twice = glm::length(area);
     if (is_needle(path, u, v)) return {};
-    // The normal is uncertain by eps over the sine of the angle.
-    const double slack = kGrowth * (glm::length(u) * glm::length(v) / twice) * path.size;
-    const double radius = path.radius + slack;
+    // Half of it, which is enough: what enters beside the face below this height, and what rounding adds, the rim is to hold.
+    const double slack = face_slack(path, u, v), radius = path.radius + 0.5 * slack;
     dvec3 n = area / twice;
     double height = -glm::dot(n, q);  // of the moving point over the face
     if (height < 0.0) n = -n, height = -height;
@@ -91,8 +115,9 @@ SweepPart sweep_face(const SweepPath& path, const dvec3& q, const dvec3& u, cons
     }
     const dvec3 p = t * path.motion - q;
     const double r = glm::dot(glm::cross(p, v), area), s = glm::dot(glm::cross(u, p), area);
-    const double whole = twice * twice, rim = slack * twice * std::max(glm::length(u), glm::length(v));
-    const bool inside = r >= -rim && s >= -rim && (kind == FaceKind::Triangle ? r + s <= whole + rim : r <= whole + rim && s <= whole + rim);
+    const double whole = twice * twice, rim_r = slack * twice * glm::length(v), rim_s = slack * twice * glm::length(u);
+    const bool inside = r >= -rim_r && s >= -rim_s &&
+                        (kind == FaceKind::Triangle ? r + s <= whole + rim_r + rim_s : r <= whole + rim_r && s <= whole + rim_s);
     return inside ? SweepPart{t, -n} : SweepPart{};
 }
 

@@ -38,9 +38,12 @@ enum class FaceKind : unsigned char { Triangle, Parallelogram };
 /// q + s u, 0 <= s <= 1; u may be zero.
 [[nodiscard]] SweepPart sweep_segment(const SweepPath& path, const dvec3& q, const dvec3& u) noexcept;
 /// A face at whose corner between u and v the angle is so small that its normal is uncertain by more than its width: its rim, grown by
-/// needle_width(), which is 0 for other faces, holds all of it.
+/// rim_growth(), holds all of it.
 [[nodiscard]] bool is_needle(const SweepPath& path, const dvec3& u, const dvec3& v) noexcept;
-[[nodiscard]] double needle_width(const SweepPath& path, const dvec3& u, const dvec3& v) noexcept;
+/// By how much a face that is no needle may be off along its normal, which is uncertain by eps over the sine of the angle.
+[[nodiscard]] double face_slack(const SweepPath& path, const dvec3& u, const dvec3& v) noexcept;
+/// By how much the segments about a face are to be grown, so that no path enters the grown face from beside without meeting them.
+[[nodiscard]] double rim_growth(const SweepPath& path, const dvec3& u, const dvec3& v) noexcept;
 /// The inside of the face at the corner q with the sides u and v, without its rim. Nothing where it is a needle.
 [[nodiscard]] SweepPart sweep_face(const SweepPath& path, const dvec3& q, const dvec3& u, const dvec3& v, FaceKind kind) noexcept;
 /// A solid box along the axes, rim and all.

@@ -281,5 +281,38 @@ TEST(TimeOfImpact, BadInputIsInvalid) {
     EXPECT_EQ(time_of_impact(box, still, plane, {.rotation = {0, 1, 0}}).status, ImpactStatus::Invalid);
 }
 
+TEST(TimeOfImpact, ShapesThatAreNoneAreInvalid) {
+    constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInf = std::numeric_limits<float>::infinity();
+    const RigidMotion still, fly{.start = {{5, 0, 0}, kIdentityRotation}, .translation = {-10, 0, 0}};
+    const Shape box = Box{{0.5f, 0.5f, 0.5f}};
+    const auto mesh = TriangleMesh::build(std::vector<vec3>{{-1, -1, -1}, {1, -1, 1}, {0, 1, 1}}, std::vector<TriangleMesh::Triangle>{{0, 2, 1}});
+    ASSERT_TRUE(mesh.has_value());
+    for (const float bad : {kNan, kInf, -1.0f}) {
+        for (const Shape& shape : {Shape{Sphere{bad}}, Shape{Box{{bad, 1, 1}}}, Shape{Box{{1, bad, 1}}}, Shape{Box{{1, 1, bad}}}, Shape{Capsule{bad, 1}},
+                                   Shape{Capsule{1, bad}}, Shape{Cylinder{bad, 1}}, Shape{Cylinder{1, bad}}, Shape{Cone{bad, 1}}, Shape{Cone{1, bad}}}) {
+            EXPECT_EQ(time_of_impact(shape, fly, box, still).status, ImpactStatus::Invalid) << bad << ' ' << shape.index();
+            EXPECT_EQ(time_of_impact(box, fly, shape, still).status, ImpactStatus::Invalid) << bad << ' ' << shape.index();
+            EXPECT_EQ(time_of_impact(shape, fly, **mesh, still).status, ImpactStatus::Invalid) << bad << ' ' << shape.index();
+        }
+    }
+    for (const Plane& plane : {Plane{{kNan, 1, 0}, 0}, Plane{{0, kInf, 0}, 0}, Plane{{0, 0, 0}, 0}, Plane{{0, 1, 0}, kNan}, Plane{{0, 1, 0}, kInf}}) {
+        EXPECT_EQ(time_of_impact(Shape{plane}, still, box, fly).status, ImpactStatus::Invalid);
+        EXPECT_EQ(time_of_impact(box, fly, Shape{plane}, still).status, ImpactStatus::Invalid);
+    }
+    EXPECT_EQ(time_of_impact(Shape{Sphere{0.0f}}, fly, box, still).status, ImpactStatus::Touching);
+}
+
+TEST(TimeOfImpact, SeparationsBeyondAnyLengthAreInvalid) {
+    const Shape ball = Sphere{1.0f};
+    const RigidMotion still, away{.start = {{5, 0, 0}, kIdentityRotation}};
+    for (const double large : {3.0, 1e10, 1e70}) {
+        EXPECT_EQ(time_of_impact(ball, away, ball, still, {.separation = large}).status, ImpactStatus::Overlapping) << large;
+    }
+    for (const double larger : {1.1e70, 1e155, 1e300}) {
+        EXPECT_EQ(time_of_impact(ball, away, ball, still, {.separation = larger}).status, ImpactStatus::Invalid) << larger;
+        EXPECT_EQ(time_of_impact(ball, away, ball, still, {.tolerance = larger}).status, ImpactStatus::Invalid) << larger;
+    }
+}
+
 }  // namespace
 }  // namespace carom
