@@ -41,8 +41,9 @@ struct DeformingSettings {
 /// Guarantee: no false negative, and no contact before the returned t. Each step of t is paid for by a certificate: a plane that has all of
 /// A on one side and all of B on the other over the whole step, or the sign of the triple product whose roots are the times at which the
 /// four corners lie in one plane; both are polynomials in t whose hulls bound them, less a bound of what rounding may have done
-/// (docs/continuous.md derives it). False positives: only where the two come within about 1e-14 of their size of `separation` + `tolerance`,
-/// or where the cap is reached. At t itself features that graze may be up to 1e-8 of their size apart.
+/// (docs/continuous.md derives it). False positives: only where the two come within about 1e-14 of their size of `separation` + `tolerance`
+/// (edges at angles of some 1e-6 to each other and needles: 1e-10), or where the cap is reached. At t itself features that graze may be up
+/// to 1e-8 of their size apart.
 ///
 /// Method: root finding by inclusion (Snyder 1992; Wang et al. 2021) in t alone, from the left. Departures: the other two parameters are
 /// never bisected, since at each time the difference of the two features is a triangle or parallelogram whose hull is known exactly; the
