@@ -14,7 +14,7 @@
 namespace carom {
 
 /// Two points that stay together while the bodies turn about them. A null body is the world, and its anchor a point of the world; at least
-/// one body is dynamic. Where the anchors are apart at first, the first step brings them together.
+/// one body is dynamic. Where the anchors are apart at first, they close by 1 % of their arms a substep.
 struct BallJointDef {
     BodyId body_a{}, body_b{};
     dvec3 anchor_a{0.0}, anchor_b{0.0};  ///< in each body's own frame, within 1e30 [m]
