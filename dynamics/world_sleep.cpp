@@ -66,7 +66,7 @@ bool World::Impl::wake_touched() {
 }
 
 void World::Impl::fall_asleep(double dt, StepReport& report) {
-    sleepers.scale_impulses(impulse_scale(dt));
+    sleepers.scale_impulses(substep_ratio(dt));  // at rest they are forces
     sleepers.watch(arrays, proxies, def.gravity, dt);
     if (sleepers.fall_asleep(sleep_scene())) names.now.clear();
     report.asleep = sleepers.count();

@@ -51,7 +51,7 @@ void RollingRows::find_lanes(const RollingInput& input) {
 void RollingRows::list(const RollingInput& input, double h) {
     std::swap(rows_, before_);
     rows_.clear();
-    const double scale = before_.empty() ? 1.0 : h / h_;
+    const double scale = before_.empty() ? 1.0 : std::min(1.0, h / h_);  // as of the impulses: those of an impact do not grow with the step
     h_ = h;
     find_lanes(input);
     std::size_t old = 0;

@@ -1,5 +1,7 @@
 #include <carom/dynamics/detail/sequential_impulses.hpp>
 
+#include <carom/dynamics/detail/block_rows.hpp>
+
 #include <glm/geometric.hpp>
 #include <glm/matrix.hpp>
 
@@ -8,8 +10,6 @@
 
 namespace carom::dynamics {
 namespace {
-
-dmat3 cross_matrix(const dvec3& r) { return {{0.0, r.z, -r.y}, {-r.z, 0.0, r.x}, {r.y, -r.x, 0.0}}; }
 
 dvec3 slip(const DirectProblem& problem, const DirectContact& c) {
     dvec3 u = c.drift;

@@ -111,7 +111,11 @@ struct World::Impl {
     }
     /// How much of the impulses of the step before this one starts from: no more than all, for those of an impact do not grow with the step.
     [[nodiscard]] float impulse_scale(double dt) const noexcept {
-        return last_substep > 0.0 ? static_cast<float>(std::min(1.0, dt / def.substeps / last_substep)) : 1.0f;
+        return std::min(1.0f, substep_ratio(dt));
+    }
+    /// Of this step's substep to that of the step before; 1 in the first.
+    [[nodiscard]] float substep_ratio(double dt) const noexcept {
+        return last_substep > 0.0 ? static_cast<float>(dt / def.substeps / last_substep) : 1.0f;
     }
     /// Where a joint's anchor is: on a body, or in the world for a null id.
     [[nodiscard]] dvec3 anchor_point(BodyId body, const dvec3& anchor) const;

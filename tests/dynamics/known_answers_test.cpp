@@ -28,6 +28,23 @@ TEST(KnownAnswers, BoxComesToRestOnThePlane) {
     EXPECT_NEAR(force * 60.0 * table.world.settings().substeps, 1000.0 * 9.81, 10.0);
 }
 
+// All contacts share the plate: there are more than colours, and the last ones, on which it lands first, are solved one after the other.
+TEST(KnownAnswers, APlateLandsOnFortyPostsWithoutABounce) {
+    World world({.gravity = dvec3{0.0}, .contact_method = ContactMethod::Soft});
+    for (int i = 0; i < 40; ++i) {
+        const BodyId post = world.create_body({.type = BodyType::Static, .position = {0.5 * (i % 8) - 1.75, i < 32 ? -0.502 : -0.5, 0.5 * (i / 8) - 1.0}});
+        world.add_shape(post, Box{{0.1f, 0.5f, 0.1f}}, {.friction = 0.0f});
+    }
+    const BodyId plate = world.create_body({.position = {0, 0.1001, 1}, .linear_velocity = {0, -0.2, 0}});
+    world.add_shape(plate, Box{{2.0f, 0.1f, 2.2f}}, {.friction = 0.0f});
+    const double before = world.energy().total();
+    const StepReport report = world.step(kDt);
+    ASSERT_EQ(report.manifolds, 40u);
+    EXPECT_EQ(report.overflow, 8u);
+    for (int i = 0; i < 10; ++i) world.step(kDt);
+    EXPECT_LT(world.energy().total(), 0.1 * before);
+}
+
 // Coulomb: v0²/(2 mu g), along the axes and between them; a friction pyramid would stop too early at 45 degrees.
 TEST(KnownAnswers, SlidingBoxStopsWhereCoulombSays) {
     for (const double degrees : {0.0, 30.0, 45.0, 90.0}) {

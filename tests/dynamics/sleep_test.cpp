@@ -83,6 +83,8 @@ TEST(Sleep, KeepsContactsAndImpulses) {
     const BodyId lower = table.add({.position = {0, 0.5, 0}}, Box{vec3{0.5f}}), upper = table.add({.position = {0, 1.5, 0}}, Box{vec3{0.5f}});
     table.run(120);
     ASSERT_FALSE(table.world.is_awake(lower));
+    // Whatever the lengths of the steps that pass, they are forces.
+    for (int i = 0; i < 9; ++i) table.world.step(i % 2 == 0 ? kDt : 0.1 * kDt);
     ASSERT_EQ(table.world.contact_count(), 2u);
     double under_lower = 0.0, under_upper = 0.0;
     for (std::size_t i = 0; i < 2; ++i) {

@@ -24,15 +24,17 @@ TEST(ImpactStudies, NothingIsMissedAndLittleIsMadeUp) {
     }
 }
 
-TEST(ImpactStudies, ToleranceAndCapCostEarliness) {
+TEST(ImpactStudies, ToleranceAndCapMakeContactsUpAndHardlyCostEarliness) {
     const std::vector<Study> studies = ccd_studies({.quick = true});
     ASSERT_EQ(studies[0].name, "ccd");
     ASSERT_EQ(studies[1].name, "ccd_early");
     const auto error = [&](std::size_t study, std::size_t candidate) { return *studies[study].candidates[candidate].run().error; };
-    EXPECT_LT(error(1, 0), 1e-12);             // the finest itself
-    EXPECT_GE(error(1, 4), error(1, 2));       // 1e-2 against 1e-6
-    EXPECT_GT(error(0, 4), 0.0);               // a coarse tolerance makes contacts up
-    EXPECT_GE(error(0, 7), error(0, 5));       // and so does a small cap
+    for (std::size_t k = 0; k < 8; ++k) EXPECT_LT(error(1, k), 1e-11) << k;  // real contacts are hardly earlier, ...
+    EXPECT_GT(error(1, 4), error(1, 0));                                     // but a little
+    EXPECT_EQ(error(0, 0), 0.0);
+    EXPECT_GT(error(0, 2), 0.0);          // contacts are made up, more of them with a coarser tolerance
+    EXPECT_GT(error(0, 4), error(0, 2));
+    EXPECT_GT(error(0, 7), error(0, 5));  // and with a small cap
 }
 
 }  // namespace
