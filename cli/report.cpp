@@ -84,6 +84,15 @@ Json direct_json(const DirectCounts& direct) {
             {"operations", direct.operations}};
 }
 
+Json continuous_json(const ContinuousCounts& continuous) {
+    return {{"followed", continuous.followed},
+            {"pairs", continuous.pairs},
+            {"impacts", continuous.impacts},
+            {"clamped", continuous.clamped},
+            {"stopped", continuous.stopped},
+            {"overlapping", continuous.overlapping}};
+}
+
 std::string direct_text(const DirectCounts& direct) {
     if (direct.stiff == 0) return "solver        no island was too stiff for soft contacts\n";
     return fmt::format("solver        islands too stiff for soft contacts, over all steps: {}; of these {} solved directly, {} too large, {} moving, {} waiting, "
@@ -111,6 +120,7 @@ Json to_json(const RunRecord& record) {
             {"error", error_json(record)},
             {"speed", {{"max", or_null(record.max_speed)}, {"mean", or_null(record.mean_speed)}}},
             {"direct", direct_json(record.direct)},
+            {"continuous", continuous_json(record.continuous)},
             {"sleep", {{"asleep", record.asleep}, {"fell_asleep", record.fell_asleep}, {"woken", record.woken}}},
             {"contacts", record.contacts},
             {"manifolds", record.manifolds},
@@ -151,6 +161,10 @@ std::string summary(const RunRecord& record) {
     fmt::format_to(out, "{}{}{}{}{}\n", count("not finite", record.non_finite), count("quarantined", record.quarantined),
                    count("steps that left pairs out", record.pairs_limited), count("pairs undecided", record.undecided), count("manifolds beyond the last colour", record.overflow));
     if (record.tunnelled) fmt::format_to(out, "tunnelled     {} of {}\n", *record.tunnelled, record.bodies);
+    if (record.continuous.followed > 0) {
+        fmt::format_to(out, "continuous    {} ways followed, {} impacts, {} bodies stopped at the last they were allowed, {} pairs too deep to be watched\n",
+                       record.continuous.followed, record.continuous.impacts, record.continuous.stopped, record.continuous.overlapping);
+    }
     fmt::format_to(out, "deep          {} points whose push-out was limited, over all steps\n", record.deep);
     if (record.max_speed) {
         fmt::format_to(out, "speed         max {:.3g} m/s, mean {:.3g} m/s\n", *record.max_speed, *record.mean_speed);

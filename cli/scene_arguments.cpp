@@ -88,6 +88,7 @@ void SceneArguments::add_to(CLI::App& command) {
     command.add_option("--direct-budget", direct_budget, "products of 6 x 6 blocks that a factorisation of an island may take")
         ->check(whole_number(0, std::uint64_t{1} << 32));
     add_choice(command, "--broadphase-method", broadphase, broadphase_choices(), "who finds the pairs; results do not depend on it");
+    command.add_flag("--no-continuous", discrete, "bodies are not followed between the start of a step and its end: what is fast may pass through others");
     command.add_flag("--sleep", sleep, "islands of bodies that have come to rest sleep until something wakes them");
     command.add_option("--set", set, "a parameter that the scene declares, KEY=VALUE; may be repeated")
         ->take_all()
@@ -120,6 +121,7 @@ Result<LoadedScene> SceneArguments::load() const {
     options.world.executor = executor->get();
     options.world.broadphase = broadphase;
     options.world.sleep.enabled = sleep;
+    options.world.continuous.enabled = !discrete;
     options.world.contact_method = contact_method;
     options.world.direct_sag = direct_sag.value_or(options.world.direct_sag);
     options.world.direct_budget = direct_budget.value_or(options.world.direct_budget);

@@ -36,6 +36,7 @@ struct SceneArguments {
     std::optional<std::uint64_t> direct_budget;
     BroadphaseMethod broadphase = BroadphaseMethod::Automatic;
     int threads = 1;
+    bool discrete = false;
     bool sleep = false;
 
     void add_to(CLI::App& command);

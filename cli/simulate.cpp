@@ -25,6 +25,15 @@ void add(DirectCounts& sum, const DirectCounts& step) {
     sum.operations += step.operations;
 }
 
+void add(ContinuousCounts& sum, const ContinuousCounts& step) {
+    sum.followed += step.followed;
+    sum.pairs += step.pairs;
+    sum.impacts += step.impacts;
+    sum.clamped += step.clamped;
+    sum.stopped += step.stopped;
+    sum.overlapping += step.overlapping;
+}
+
 // What is gathered step by step.
 class Observer {
 public:
@@ -53,6 +62,7 @@ public:
         overflow_ += report.overflow;
         deep_ += report.deep;
         add(direct_, report.direct);
+        add(continuous_, report.continuous);
         asleep_ = report.asleep;
         fell_asleep_ += report.fell_asleep;
         woken_ += report.woken;
@@ -85,6 +95,7 @@ public:
         record.overflow = overflow_;
         record.deep = deep_;
         record.direct = direct_;
+        record.continuous = continuous_;
         record.asleep = asleep_;
         record.fell_asleep = fell_asleep_;
         record.woken = woken_;
@@ -122,6 +133,7 @@ private:
     std::size_t pairs_ = 0, reused_ = 0;
     std::size_t asleep_ = 0, fell_asleep_ = 0, woken_ = 0;
     DirectCounts direct_;
+    ContinuousCounts continuous_;
 };
 
 // Bodies, speeds and hash of the last state.

@@ -47,6 +47,7 @@ struct RunRecord {
     std::size_t pairs_limited = 0;  ///< steps that left pairs out
     std::size_t undecided = 0, overflow = 0, deep = 0;
     DirectCounts direct;            ///< islands solved directly, over all steps
+    ContinuousCounts continuous;    ///< bodies followed along their paths, over all steps
     std::size_t asleep = 0;     ///< bodies, after the last step
     std::size_t fell_asleep = 0, woken = 0;  ///< over all steps
     double reused_share = 0.0;  ///< of all pairs of all steps: contacts carried along from the step before

@@ -11,6 +11,15 @@ const char* to_string(BodyType type) noexcept {
     return "unknown";
 }
 
+const char* to_string(Continuity continuity) noexcept {
+    switch (continuity) {
+        case Continuity::Automatic: return "automatic";
+        case Continuity::Always: return "always";
+        case Continuity::Never: return "never";
+    }
+    return "unknown";
+}
+
 const char* to_string(CombineRule rule) noexcept {
     switch (rule) {
         case CombineRule::Average: return "average";

@@ -4,6 +4,7 @@
 #include <carom/collision/shapes.hpp>
 #include <carom/core/ids.hpp>
 #include <carom/core/pose.hpp>
+#include <carom/dynamics/continuous_settings.hpp>
 
 #include <cstdint>
 #include <optional>
@@ -34,6 +35,7 @@ struct BodyDef {
     double linear_damping = 0.0;            ///< of dynamic bodies: without other forces v falls by exp(-c t), c >= 0 [1/s]
     double angular_damping = 0.0;           ///< the same of the angular momentum
     unsigned char locked = LockedAxes::None;  ///< of dynamic bodies
+    Continuity continuity = Continuity::Automatic;  ///< of dynamic and kinematic bodies: whether they are followed along their paths
     bool can_sleep = true;                  ///< false, of dynamic bodies: it stays awake, and so does all that touches it
 };
 

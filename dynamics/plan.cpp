@@ -54,6 +54,10 @@ std::string reason_for(Stage stage, const dynamics::StepChoices& choices, const 
         return "skipped: no two shapes could meet (one body with shapes, or none that moves)";
     }
     if (stage == Stage::Islands || stage == Stage::Direct) return reason_for_direct(stage, def);
+    if (stage == Stage::Continuous) {
+        return def.continuous.enabled ? "runs for bodies that a step moves by more than a share of their size; looks for such, and does nothing where there are none"
+                                      : "skipped: WorldDef::continuous is off, and what is fast may pass through others";
+    }
     if (everything) return "runs: the plan is to run everything";
     switch (stage) {
         case Stage::Positions: return "runs: free bodies move exactly, bodies in contact once a substep";
@@ -73,6 +77,7 @@ bool runs(Stage stage, const dynamics::StepChoices& choices, const WorldDef& def
         case Stage::Sleep: return def.sleep.enabled;
         case Stage::Joints: return choices.joints;
         case Stage::Restitution: return choices.contacts && choices.restitution;
+        case Stage::Continuous: return choices.continuous;
         case Stage::Relax: return choices.contacts && def.relax;
         default: return choices.contacts;
     }
@@ -81,9 +86,10 @@ bool runs(Stage stage, const dynamics::StepChoices& choices, const WorldDef& def
 }  // namespace
 
 dynamics::StepChoices World::Impl::choose() const {
-    if (def.plan == PlanMode::Everything) return {};
+    if (def.plan == PlanMode::Everything) return {.continuous = def.continuous.enabled};
     const bool could_meet = census.bodies >= 2 && census.dynamic_bodies > 0, any_awake = is_any_awake();
-    return {could_meet && any_awake, census.bouncing_shapes > 0, !joints.empty() && any_awake, !any_awake};
+    const bool meet = could_meet && any_awake;
+    return {meet, census.bouncing_shapes > 0, !joints.empty() && any_awake, meet && def.continuous.enabled, !any_awake};
 }
 
 BroadphasePlan World::Impl::plan_broadphase(double dt) const {

@@ -18,6 +18,7 @@ const char* to_string(Stage stage) noexcept {
         case Stage::Positions: return "Positions";
         case Stage::Relax: return "Relax";
         case Stage::Store: return "Store";
+        case Stage::Continuous: return "Continuous";
         case Stage::Quarantine: return "Quarantine";
         case Stage::Sleep: return "Sleep";
     }

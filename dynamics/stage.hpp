@@ -20,6 +20,7 @@ enum class Stage : unsigned char {
     Positions,
     Relax,
     Store,
+    Continuous,
     Quarantine,
     Sleep,
 };

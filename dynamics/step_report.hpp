@@ -66,6 +66,16 @@ struct JointCounts {
     double worst_gap = 0.0;      ///< of the anchors of a ball joint at the end of the step [m]
 };
 
+/// Bodies that moved far in the step, and what they met on their way (ContinuousSettings).
+struct ContinuousCounts {
+    std::size_t followed = 0;    ///< bodies that moved so far that their way was looked at
+    std::size_t pairs = 0;       ///< times of impact that were asked for
+    std::size_t impacts = 0;     ///< that happened
+    std::size_t clamped = 0;     ///< searches that came to their cap: contact was assumed where they stopped
+    std::size_t stopped = 0;     ///< bodies that came to more impacts than are followed: they stay where the last one was until the step is over
+    std::size_t overlapping = 0; ///< pairs that were too deep in each other at the start to be watched: their contacts alone hold them
+};
+
 struct StepReport {
     std::uint64_t step = 0;  ///< steps done so far, this one included; 0: the step was refused or dt = 0
     double dt = 0.0;         ///< [s]
@@ -92,6 +102,7 @@ struct StepReport {
     std::size_t overflow = 0;    ///< manifolds beyond the last colour, solved one after the other
     DirectCounts direct;
     JointCounts joints;
+    ContinuousCounts continuous;
     std::size_t deep = 0;        ///< points that began the step so deep that their push was limited by WorldDef::max_push
 
     std::size_t asleep = 0;       ///< bodies that sleep after the step; pairs, manifolds and contacts above are without them

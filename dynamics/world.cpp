@@ -55,6 +55,7 @@ const char* fault_of(const BodyDef& def) {
     if (const char* fault = dynamics::fault_of_gravity_scale(def.gravity_scale)) return fault;
     if (const char* fault = dynamics::fault_of_damping(def.linear_damping, def.angular_damping)) return fault;
     if (const char* fault = dynamics::fault_of_locks(def.locked)) return fault;
+    if (const char* fault = dynamics::fault_of_continuity(def.continuity, def.type)) return fault;
     if (!def.can_sleep && def.type != BodyType::Dynamic) return "only dynamic bodies sleep";
     return asks_for_more(def) && def.type != BodyType::Dynamic ? "gravity scale, damping and locked axes are of dynamic bodies" : nullptr;
 }
@@ -102,6 +103,12 @@ Status validate(const WorldDef& def) {
     }
     if (!is_valid(def.broadphase)) return fault(ErrorCode::InvalidArgument, "no such broadphase");
     if (def.pair_limit < 1 || def.pair_limit > std::size_t{1} << 31) return fault(ErrorCode::InvalidArgument, "pair_limit must be in 1..2^31");
+    if (!(def.continuous.motion >= 1e-3 && def.continuous.motion <= 0.5)) {
+        return fault(is_finite(def.continuous.motion) ? ErrorCode::InvalidArgument : ErrorCode::NotFinite, "continuous.motion must lie in 1e-3 .. 0.5");
+    }
+    if (def.continuous.most_impacts < 1 || def.continuous.most_impacts > 1000) {
+        return fault(ErrorCode::InvalidArgument, "continuous.most_impacts must be in 1..1000");
+    }
     if (!(def.sleep.time >= 0.01 && def.sleep.time <= 1000.0)) {
         return fault(is_finite(def.sleep.time) ? ErrorCode::InvalidArgument : ErrorCode::NotFinite, "sleep.time must lie in 0.01 .. 1000 s");
     }
@@ -114,7 +121,7 @@ Status validate(const WorldDef& def) {
     return {};
 }
 
-World::Impl::Impl(const WorldDef& settings) : def(settings), broadphase({.method = settings.broadphase, .pair_limit = settings.pair_limit}), sleepers(settings.sleep) {}
+World::Impl::Impl(const WorldDef& settings) : def(settings), broadphase({.method = settings.broadphase, .pair_limit = settings.pair_limit}), continuous(settings.continuous), sleepers(settings.sleep) {}
 
 World::World(const WorldDef& def) : impl_(std::make_unique<Impl>(checked(def))) {}
 World::~World() = default;
@@ -154,6 +161,7 @@ BodyId World::create_body(const BodyDef& def) {
     arrays.roles[id.slot] = dynamics::role_of(def.type);
     // Until it has shapes, a body moves as a kilogram with unit inertia.
     if (def.type == BodyType::Dynamic) impl_->assign_mass(id, {1.0, dvec3{0.0}, dmat3{1.0}});
+    impl_->continuous.begin(id.slot, def.continuity);
     if (impl_->sleepers.is_on()) impl_->sleepers.begin(id.slot, def.can_sleep, arrays.states[id.slot]);
     impl_->body_order.push_back(id);
     return id;
@@ -270,6 +278,7 @@ void World::Impl::put_proxy(ShapeId id) {
     const bool is_movable = arrays.roles[slot] == Role::Dynamic || (sleepers.is_on() && arrays.roles[slot] == Role::Kinematic);
     dynamics::put_proxy(proxies, std::move(proxy), ProxyFilter{s.def.layer, s.def.mask, is_movable});
     sleepers.note_shapes();
+    continuous.note_shapes();
 }
 
 void World::Impl::put_proxies(BodyId body) {
@@ -285,6 +294,7 @@ void World::Impl::put_in(BodyId body) {
 void World::Impl::take_out(BodyId body) {
     wake(body);
     sleepers.note_shapes();
+    continuous.note_shapes();
     for (const ShapeId id : bodies.find(body)->shapes) dynamics::drop_proxy(proxies, id.slot);
     count_body(body, -1);
 }

@@ -15,6 +15,7 @@
 #include <carom/core/pose.hpp>
 #include <carom/dynamics/body.hpp>
 #include <carom/dynamics/contact_method.hpp>
+#include <carom/dynamics/continuous_settings.hpp>
 #include <carom/dynamics/joint.hpp>
 #include <carom/dynamics/plan.hpp>
 #include <carom/dynamics/sleep_settings.hpp>
@@ -52,6 +53,7 @@ struct WorldDef {
     bool relax = true;                ///< the pass that takes out the energy of the push
     bool report_balance = false;      ///< fill StepReport::balance
     bool report_residual = false;     ///< fill StepReport::residual; costs one look at each body and contact
+    ContinuousSettings continuous{};  ///< on: what moves far in a step passes through nothing
     SleepSettings sleep{};            ///< off: every body is worked on in every step
 };
 
@@ -143,6 +145,9 @@ public:
     void set_damping(BodyId body, double linear, double angular);           ///< see BodyDef; within 0 .. 1e9 1/s
     /// @param locked  bits of LockedAxes. Motion along and about them stops at once.
     void set_locked_axes(BodyId body, unsigned char locked);
+    /// @param continuity  not of static bodies, but for Automatic.
+    void set_continuity(BodyId body, Continuity continuity);
+    [[nodiscard]] Continuity continuity(BodyId body) const;
     [[nodiscard]] double gravity_scale(BodyId body) const;
     [[nodiscard]] double linear_damping(BodyId body) const;
     [[nodiscard]] double angular_damping(BodyId body) const;

@@ -159,6 +159,16 @@ void World::set_damping(BodyId body, double linear, double angular) {
     traits.linear_damping = linear;
     traits.angular_damping = angular;
 }
+void World::set_continuity(BodyId body, Continuity continuity) {
+    CAROM_FIND_BODY(body);
+    const char* fault = dynamics::fault_of_continuity(continuity, record->type);
+    CAROM_REQUIRE(fault == nullptr, ErrorCode::InvalidArgument, fault);
+    impl_->continuous.begin(body.slot, continuity);
+}
+Continuity World::continuity(BodyId body) const {
+    CAROM_FIND_BODY(body, Continuity::Automatic);
+    return impl_->continuous.continuity(body.slot);
+}
 void World::set_locked_axes(BodyId body, unsigned char locked) {
     CAROM_FIND_DYNAMIC(body, "only dynamic bodies have locked axes");
     const char* fault = dynamics::fault_of_locks(locked);

@@ -37,15 +37,31 @@ Balance operator-(const Balance& after, const Balance& before) {
 
 // Moves every body that no contact and no joint holds, and the kinematic ones, over the whole step at once.
 void World::Impl::integrate_free_bodies(bool looked, double dt) {
+    const bool follows = looked && def.continuous.enabled;
+    if (follows) continuous.prepare(arrays.states.size());
     executor().parallel_for(arrays.roles.size(), kBodyGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t slot = begin; slot < end; ++slot) {
             const Role role = arrays.roles[slot];
             const auto number = static_cast<std::uint32_t>(slot);
             const bool held = joint_solver.holds(number) || (looked && (solver.holds(number) || direct.holds(number)));
             if (role != Role::Kinematic && (role != Role::Dynamic || held)) continue;
+            if (follows) continuous.depart(number, arrays.states[slot]);
             dynamics::integrate_free(arrays.states[slot], arrays.masses[slot], free_motion(slot), dt);
+            if (follows) continuous.arrive(number, arrays.states[slot]);
         }
     });
+}
+
+void World::Impl::follow(dynamics::Step& step, double dt) {
+    const auto start = [&](std::uint32_t slot) -> const Pose& { return last_valid[slot].pose; };
+    const auto motion = [&](std::uint32_t slot) { return free_motion(slot); };
+    const auto parted = [&](std::uint32_t a, std::uint32_t b) { return joints.parts_any() && joints.parts(a, b); };
+    const auto wake_slot = [&](std::uint32_t slot) { sleepers.wake(slot, arrays); };
+    step.run(Stage::Continuous, [&] {
+        const dynamics::ContinuousScene scene{proxies, broadphase, arrays, dt, start, motion, parted, wake_slot};
+        if (continuous.look(scene)) continuous.run(scene);
+    });
+    step.report.continuous = continuous.counts();
 }
 
 void World::Impl::note_substep(double dt) noexcept {
@@ -206,6 +222,7 @@ StepReport World::step(double dt) {
     }
     step.run(Stage::Positions, [&] { w.integrate_free_bodies(choices.contacts, dt); });
     if (choices.contacts && choices.restitution) step.run(Stage::Restitution, [&] { w.impacts.place(w.arrays); });
+    if (choices.continuous) w.follow(step, dt);
     if (w.def.report_residual) step.report.residual = w.residual.measure(w.contacts, w.proxies, w.arrays, {w.def.gravity, dt, w.def.substeps}, w.joint_solver.jointed());
     w.forget_pushes();
     step.run(Stage::Quarantine, [&] { w.quarantine_unusable(dt, step.report); });

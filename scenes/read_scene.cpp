@@ -85,6 +85,16 @@ unsigned char read_locked(const Node& node) {
     return locked;
 }
 
+Continuity read_continuity(const Node& node, BodyType type) {
+    const std::string& name = detail::text(node);
+    for (const Continuity continuity : {Continuity::Automatic, Continuity::Always, Continuity::Never}) {
+        if (name != to_string(continuity)) continue;
+        if (type == BodyType::Static) fail_at(node, ErrorCode::InvalidArgument, "static bodies do not move");
+        return continuity;
+    }
+    fail_at(node, ErrorCode::UnknownName, fmt::format("\"{}\" is none of \"automatic\", \"always\", \"never\"", name));
+}
+
 /// What only dynamic bodies have.
 void read_traits(Fields& fields, BodyDef& def) {
     const auto find = [&](const char* key) {
@@ -114,6 +124,7 @@ FileBody read_body(const Node& node) {
         if (body.def.type == BodyType::Static) fail_at(*given, ErrorCode::InvalidArgument, "static bodies do not move");
         body.def.angular_velocity = detail::vector(*given);
     }
+    if (const auto given = fields.find("continuity")) body.def.continuity = read_continuity(*given, body.def.type);
     read_traits(fields, body.def);
     const Node shapes = fields.require("shapes");
     fields.done();
@@ -144,6 +155,7 @@ SceneRun read_root(const Node& root, const std::string& path, const SceneOptions
     if (const auto given = fields.find("dt")) run.dt = detail::positive(*given);
     if (const auto given = fields.find("steps")) run.steps = detail::integer(*given, 0, 1'000'000'000);
     if (const auto given = fields.find("substeps")) def.substeps = detail::integer(*given, 1, 1024);
+    if (const auto given = fields.find("continuous")) def.continuous.enabled &= detail::boolean(*given);
     if (const auto given = fields.find("sleep")) def.sleep.enabled |= detail::boolean(*given);
     if (const auto given = fields.find("domain")) run.domain = read_domain(*given);
     def.substeps = options.substeps.value_or(def.substeps);

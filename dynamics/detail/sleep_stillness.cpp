@@ -32,17 +32,6 @@ dvec3 free_pull(const BodyArrays& bodies, std::size_t slot, const dvec3& gravity
 
 void Sleepers::start_anew(Stillness& s, const BodyState& state) noexcept { s = {.from = state.pose, .velocity = state.velocity, .spin = state.spin}; }
 
-void Sleepers::find_sizes(const ProxySet& proxies, std::size_t slots) {
-    sizes_.assign(slots, Size{});
-    for (std::size_t i = 0; i < proxies.by_slot.size(); ++i) {
-        if (proxies.kinds[i] != ProxyKind::Bounded) continue;
-        Size& size = sizes_[proxies.bodies[i]];
-        size.extent = size.extent == 0.0 ? proxies.extents[i] : std::min(size.extent, proxies.extents[i]);
-        size.reach = std::max(size.reach, proxies.by_slot[i].reach);
-    }
-    sizes_known_ = true;
-}
-
 bool Sleepers::is_over(const Stillness& s) const noexcept { return 2.0 * s.since >= settings_.time && s.steps >= kLeastSteps; }
 
 double Sleepers::most_motion(std::size_t slot, double pull) const noexcept {
@@ -51,7 +40,8 @@ double Sleepers::most_motion(std::size_t slot, double pull) const noexcept {
 }
 
 void Sleepers::watch(const BodyArrays& bodies, const ProxySet& proxies, const dvec3& gravity, double dt) {
-    if (!sizes_known_) find_sizes(proxies, bodies.roles.size());
+    if (!sizes_known_) list_body_sizes(proxies, bodies.roles.size(), sizes_);
+    sizes_known_ = true;
     since_look_ = any_ready_ ? since_look_ + dt : 0.0;
     any_ready_ = false;
     for (std::size_t slot = 0; slot < bodies.roles.size(); ++slot) {

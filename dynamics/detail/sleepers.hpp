@@ -6,6 +6,7 @@
 #pragma once
 
 #include <carom/core/hash.hpp>
+#include <carom/dynamics/detail/body_sizes.hpp>
 #include <carom/dynamics/detail/contact_set.hpp>
 #include <carom/dynamics/detail/island_links.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
@@ -101,10 +102,6 @@ private:
         std::uint32_t steps = 0;   ///< of this half
         unsigned char halves = 0;  ///< before this one in which it was still, and ever more so; 2 are enough
     };
-    struct Size {
-        double reach = 0.0;   ///< farthest point from the centre of mass [m]
-        double extent = 0.0;  ///< least of its shapes [m]; 0: it has none
-    };
     /// What is known of an island, at its root.
     struct Findings {
         bool restless = false;  ///< some body moves, is held by nothing or may not sleep
@@ -112,7 +109,6 @@ private:
     };
 
     static void start_anew(Stillness& s, const BodyState& state) noexcept;
-    void find_sizes(const ProxySet& proxies, std::size_t slots);
     void watch_one(std::size_t slot, const BodyArrays& bodies, const dvec3& gravity, double dt) noexcept;
     [[nodiscard]] bool is_over(const Stillness& s) const noexcept;
     [[nodiscard]] double most_motion(std::size_t slot, double pull) const noexcept;
@@ -129,7 +125,7 @@ private:
 
     SleepSettings settings_;
     std::vector<Stillness> still_;             // by slot
-    std::vector<Size> sizes_;                  // by slot
+    std::vector<BodySize> sizes_;              // by slot
     std::vector<unsigned char> may_sleep_;     // by slot
     std::vector<std::uint32_t> ring_;          // by slot: the next body of the island that sleeps
     std::vector<std::uint32_t> last_;          // by root: of the ring so far

@@ -4,6 +4,7 @@
 
 #include <carom/core/slot_map.hpp>
 #include <carom/dynamics/detail/contact_set.hpp>
+#include <carom/dynamics/detail/continuous.hpp>
 #include <carom/dynamics/detail/contact_solver.hpp>
 #include <carom/dynamics/detail/impacts.hpp>
 #include <carom/dynamics/detail/integrator.hpp>
@@ -77,6 +78,10 @@ inline constexpr double kMostDamping = 1e9;  ///< [1/s]
     const auto good = [](double c) { return c >= 0.0 && c <= kMostDamping; };
     return good(linear) && good(angular) ? nullptr : "damping must be within 0 .. 1e9 1/s";
 }
+[[nodiscard]] inline const char* fault_of_continuity(Continuity continuity, BodyType type) noexcept {
+    if (continuity > Continuity::Never) return "no such continuity";
+    return continuity == Continuity::Automatic || type != BodyType::Static ? nullptr : "static bodies are not followed";
+}
 [[nodiscard]] inline const char* fault_of_locks(unsigned char locked) noexcept {
     return (locked & ~LockedAxes::All) == 0 ? nullptr : "no such axis to lock";
 }
@@ -86,6 +91,7 @@ struct StepChoices {
     bool contacts = true;     ///< two shapes exist that could meet: Bounds to Relax, and Store
     bool restitution = true;  ///< some shape bounces
     bool joints = true;       ///< there are joints
+    bool continuous = true;   ///< bodies that move far are followed
     bool all_asleep = false;  ///< every dynamic body sleeps, and no kinematic one moves
 };
 
@@ -161,6 +167,8 @@ struct World::Impl {
     void fall_asleep(double dt, StepReport& report);
     void find_contacts(dynamics::Step& step, const dynamics::Motion& motion);
     void solve_contacts(dynamics::Step& step, double dt);
+    /// Follows what moved far.
+    void follow(dynamics::Step& step, double dt);
     [[nodiscard]] dynamics::SleepScene sleep_scene();
     /// Wakes both bodies of a joint that comes, changes or goes.
     void wake_joined(const JointDef& joint);
@@ -192,6 +200,7 @@ struct World::Impl {
     dynamics::DirectIslands direct;
     dynamics::ResidualMeter residual;  // empty unless WorldDef::report_residual
     dynamics::ContactSolver solver;
+    dynamics::Continuous continuous;
     dynamics::Sleepers sleepers;
     std::vector<dynamics::BodyLink> sleep_links;  // of the joints
     dynamics::JointSet joints;

@@ -1,0 +1,145 @@
+#include <carom/dynamics/detail/body_path.hpp>
+
+#include <carom/core/math.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace carom::dynamics {
+namespace {
+
+constexpr int kMostHalvings = 12;
+constexpr double kNoAxis = 1e-12;       // below this sine of half an angle the axis is that of the spin
+
+dquat conjugate(const dquat& q) noexcept { return {q.w, -q.x, -q.y, -q.z}; }
+
+/// The rotation vector that takes one orientation to the other, of those that differ by whole turns the one nearest to `about`.
+dvec3 turn_between(const dquat& from, const dquat& to, const dvec3& about) noexcept {
+    const dquat between = to * conjugate(from);
+    const dvec3 imaginary{between.x, between.y, between.z};
+    const double sine = glm::length(imaginary), length = glm::length(about);
+    dvec3 axis = sine > kNoAxis ? imaginary / sine : dvec3{0.0};
+    double angle = 2.0 * arctan2(sine, between.w);
+    if (!(sine > kNoAxis)) {
+        if (length == 0.0) return dvec3{0.0};
+        axis = about / length;
+        angle = 0.0;
+    }
+    return axis * (angle + 2.0 * kPi * std::floor((glm::dot(about, axis) - angle) / (2.0 * kPi) + 0.5));
+}
+
+/// A bound of how fast the spin of a free body changes [rad/s²]. Euler's equations, with each component of the spin at the largest that energy and
+/// angular momentum allow.
+double most_spin_change(const BodyState& state, const BodyMass& mass, const FreeMotion& motion) noexcept {
+    if (mass.mass == 0.0) return 0.0;
+    const dvec3 &moment = mass.moments, &inverse = mass.inverse_moments, spin = rotate_inverse(state.pose.orientation, state.spin), momentum = moment * spin;
+    const double twice_energy = glm::dot(momentum, spin), square = glm::dot(momentum, momentum);
+    const double pushed = glm::length(motion.torque) * std::max({inverse.x, inverse.y, inverse.z}) + motion.angular_damping * glm::length(spin);
+    if ((mass.locked & kLockedTurns) != 0) {
+        return pushed + glm::dot(spin, spin) * std::max({moment.x, moment.y, moment.z}) * std::max({inverse.x, inverse.y, inverse.z});
+    }
+    if (mass.inertia == InertiaClass::Isotropic) return pushed;
+    dvec3 most{0.0}, change{0.0};
+    for (int i = 0; i < 3; ++i) most[i] = std::sqrt(std::min(twice_energy * inverse[i], square * inverse[i] * inverse[i]));
+    for (int i = 0; i < 3; ++i) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        change[i] = std::abs(moment[j] - moment[k]) * inverse[i] * most[j] * most[k];
+    }
+    if (mass.inertia == InertiaClass::Symmetric) {  // its share along the axis stays, and so does the rest's length
+        const int i = mass.axis, j = (i + 1) % 3, k = (i + 2) % 3;
+        return pushed + std::abs(moment[i] - moment[j]) * inverse[j] * std::abs(spin[i]) * std::sqrt(spin[j] * spin[j] + spin[k] * spin[k]);
+    }
+    return pushed + glm::length(change);
+}
+
+}  // namespace
+
+PathPiece chord(const Pose& from, const Pose& to, const dvec3& turning) noexcept {
+    PathPiece piece;
+    piece.start = from;
+    piece.translation = to.position - from.position;
+    piece.rotation = turn_between(from.orientation, to.orientation, turning);
+    return piece;
+}
+
+void BodyPath::fly(const Flight& flight, const BodyMass& mass, double begin, const PathSettings& settings) {
+    flight_ = flight;
+    mass_ = &mass;
+    settings_ = settings;
+    const FreeMotion& motion = flight.motion;
+    const double pull = glm::length(motion.acceleration);
+    most_pull_ = pull + motion.linear_damping * (glm::length(flight.start.velocity) + pull * settings.dt);
+    most_change_ = most_spin_change(flight.start, mass, motion);
+    nodes_.clear();
+    add(flight.start, after(flight.start, 1.0 - begin), begin, 1.0, 0);
+}
+
+void BodyPath::go(const PathPiece& piece) {
+    mass_ = nullptr;
+    nodes_.clear();
+    nodes_.push_back({.piece = piece, .from = {}, .to = {}});
+}
+
+BodyState BodyPath::after(BodyState state, double share) const noexcept {
+    integrate_free(state, *mass_, flight_.motion, share * settings_.dt);
+    return state;
+}
+
+// Both ends of the screw are the integrator's. From either the turn differs from the screw's by no more than the integral of the difference of the two
+// angular velocities, and the nearer end is at most half the time away.
+void BodyPath::add(const BodyState& from, const BodyState& to, double begin, double end, int depth) {
+    const double time = (end - begin) * settings_.dt;
+    PathPiece piece = chord(from.pose, to.pose, 0.5 * time * (from.spin + to.spin));
+    piece.begin = begin, piece.end = end;
+    piece.sway = most_pull_ * time * time / 8.0;
+    const double differ = std::max(glm::length(time * from.spin - piece.rotation), glm::length(time * to.spin - piece.rotation));
+    piece.bend = piece.sway + settings_.reach * std::min(2.0, 0.5 * differ + most_change_ * time * time / 8.0);
+    nodes_.push_back({.piece = piece, .from = from, .to = to, .halves = 0, .depth = depth});
+}
+
+bool BodyPath::can_split(std::uint32_t number) const noexcept {
+    return mass_ != nullptr && nodes_[number].piece.bend > settings_.most_bend && nodes_[number].depth < kMostHalvings;
+}
+
+std::pair<std::uint32_t, std::uint32_t> BodyPath::split(std::uint32_t number) {
+    if (nodes_[number].halves == 0) {
+        const Node node = nodes_[number];
+        const double middle = 0.5 * (node.piece.begin + node.piece.end);
+        nodes_[number].halves = static_cast<std::uint32_t>(nodes_.size());
+        const BodyState midway = after(node.from, middle - node.piece.begin);
+        add(node.from, midway, node.piece.begin, middle, node.depth + 1);
+        add(midway, node.to, middle, node.piece.end, node.depth + 1);
+    }
+    const std::uint32_t first = nodes_[number].halves;
+    return {first, first + 1};
+}
+
+Aabb BodyPath::box(double reach) const noexcept { return box_of(piece(kWhole), reach); }
+
+Pose pose_at(const PathPiece& piece, double t) noexcept {
+    const double span = piece.end - piece.begin, share = span > 0.0 ? (t - piece.begin) / span : 0.0;
+    Pose pose = piece.start;
+    pose.position += share * piece.translation;
+    if (piece.rotation != dvec3{0.0}) pose.orientation = glm::normalize(rotation_from_vector(share * piece.rotation) * pose.orientation);
+    return pose;
+}
+
+PathPiece cut(const PathPiece& piece, double begin, double end) noexcept {
+    if (begin == piece.begin && end == piece.end) return piece;
+    const double span = piece.end - piece.begin, share = span > 0.0 ? (end - begin) / span : 0.0;
+    return {begin, end, pose_at(piece, begin), share * piece.translation, share * piece.rotation, piece.sway, piece.bend};
+}
+
+RigidMotion shape_motion(const PathPiece& piece, const Pose& local) noexcept {
+    return {.start = piece.start * local,
+            .translation = piece.translation,
+            .rotation = piece.rotation,
+            .pivot = rotate_inverse(local.orientation, -local.position)};
+}
+
+Aabb box_of(const PathPiece& piece, double reach) noexcept {
+    const dvec3 from = piece.start.position, to = from + piece.translation;
+    return inflate({glm::min(from, to), glm::max(from, to)}, reach + piece.sway);
+}
+
+}  // namespace carom::dynamics

@@ -1,0 +1,94 @@
+// Where a body goes in a step: a screw, or as fine a chain of screws as somebody asks for.
+//
+//   BodyPath path;
+//   path.fly(flight, mass, 0.0, {dt, reach, most_bend});
+//   if (path.can_split(node)) auto [earlier, later] = path.split(node);
+//   RigidMotion motion = shape_motion(cut(path.piece(node), 0.25, 0.5), proxy.local);
+//
+// Times are fractions of the step. Each piece is a screw through two poses of the integrator, with as many turns as the spin makes, and the bound by which
+// the body may be elsewhere in between. Pieces are split where a coarse one is not enough, so that what stays far from everything has one.
+#pragma once
+
+#include <carom/collision/aabb.hpp>
+#include <carom/dynamics/detail/integrator.hpp>
+#include <carom/narrowphase/time_of_impact.hpp>
+
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace carom::dynamics {
+
+struct PathPiece {
+    double begin = 0.0, end = 1.0;
+    Pose start{};             ///< of the principal frame
+    dvec3 translation{0.0};   ///< of the centre of mass [m]
+    dvec3 rotation{0.0};      ///< [rad]
+    double sway = 0.0;        ///< the centre of mass is no farther from where the screw has it [m]
+    double bend = 0.0;        ///< nor any point of the body [m]
+};
+
+/// A body that nothing touches.
+struct Flight {
+    BodyState start;
+    FreeMotion motion;
+};
+
+/// How finely a path may be cut.
+struct PathSettings {
+    double dt = 0.0;         ///< of the whole step [s]
+    double reach = 0.0;      ///< of the body from its centre of mass [m]
+    double most_bend = 0.0;  ///< pieces that bend less are not split [m]
+};
+
+/// @return the screw from one pose to the other, whose turns are those nearest to `turning` [rad].
+[[nodiscard]] PathPiece chord(const Pose& from, const Pose& to, const dvec3& turning) noexcept;
+
+class BodyPath {
+public:
+    static constexpr std::uint32_t kWhole = 0;
+
+    /// Takes the path from `begin` to 1 of a body that is at `flight.start` at `begin`. Sway and bend are bounds: by the largest acceleration and the largest change
+    /// of the spin that there can be.
+    /// @param mass  stays alive as long as the path is split.
+    void fly(const Flight& flight, const BodyMass& mass, double begin, const PathSettings& settings);
+    /// Takes one piece, which is not split.
+    void go(const PathPiece& piece);
+
+    /// @return a piece by its number; kWhole is the path as one.
+    [[nodiscard]] const PathPiece& piece(std::uint32_t number) const noexcept { return nodes_[number].piece; }
+    [[nodiscard]] bool can_split(std::uint32_t number) const noexcept;
+    /// @return the two halves, which are made the first time.
+    std::pair<std::uint32_t, std::uint32_t> split(std::uint32_t number);
+
+    /// @return a box about all that is ever within `reach` of the centre of mass.
+    [[nodiscard]] Aabb box(double reach) const noexcept;
+
+private:
+    struct Node {
+        PathPiece piece;
+        BodyState from, to;
+        std::uint32_t halves = 0;  ///< the first of the two; 0: not made
+        int depth = 0;
+    };
+    [[nodiscard]] BodyState after(BodyState state, double share) const noexcept;
+    void add(const BodyState& from, const BodyState& to, double begin, double end, int depth);
+
+    Flight flight_;
+    const BodyMass* mass_ = nullptr;
+    PathSettings settings_;
+    double most_pull_ = 0.0;    // [m/s²]
+    double most_change_ = 0.0;  // of the spin [rad/s²]
+    std::vector<Node> nodes_;
+};
+
+/// @return where the piece has the principal frame, at a time within it.
+[[nodiscard]] Pose pose_at(const PathPiece& piece, double t) noexcept;
+/// @return the part of a piece between two times within it.
+[[nodiscard]] PathPiece cut(const PathPiece& piece, double begin, double end) noexcept;
+/// @return how a shape that is placed by `local` in the principal frame moves.
+[[nodiscard]] RigidMotion shape_motion(const PathPiece& piece, const Pose& local) noexcept;
+/// @return a box about all that is within `reach` of the centre of mass.
+[[nodiscard]] Aabb box_of(const PathPiece& piece, double reach) noexcept;
+
+}  // namespace carom::dynamics

@@ -1,0 +1,194 @@
+#include <carom/dynamics/detail/continuous.hpp>
+
+#include <carom/broadphase/queries.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace carom::dynamics {
+namespace {
+
+// By how much a piece of a path may bend: shares of the smallest extent, and of the reach.
+constexpr double kBendShare = 0.01, kReachShare = 2e-4;
+
+bool agree(const ProxyFilter& a, const ProxyFilter& b) noexcept { return (a.layer & b.mask) != 0 && (b.layer & a.mask) != 0; }
+
+bool moves(Role role) noexcept { return role == Role::Dynamic || role == Role::Kinematic; }
+
+/// How far a point of a body may be from where it was, at most.
+double motion_of(const Pose& from, const BodyState& to, double reach, double dt) noexcept {
+    return glm::length(to.pose.position - from.position) + reach * std::min(glm::length(to.spin) * dt, 2.0);
+}
+
+}  // namespace
+
+void Continuous::begin(std::uint32_t slot, Continuity continuity) {
+    if (continuity == Continuity::Automatic && slot >= wishes_.size()) return;
+    if (slot >= wishes_.size()) wishes_.resize(slot + 1, Continuity::Automatic);
+    wishes_[slot] = continuity;
+}
+
+void Continuous::prepare(std::size_t slots) {
+    ++step_;
+    departures_.resize(slots);
+}
+
+void Continuous::list_bodies(const ContinuousScene& scene) {
+    const std::size_t slots = scene.bodies.roles.size();
+    list_body_sizes(scene.proxies, slots, sizes_);
+    first_proxy_.assign(slots + 1, 0);
+    const auto for_each_proxy = [&](const auto& visit) {
+        for (std::uint32_t i = 0; i < scene.proxies.by_slot.size(); ++i) {
+            if (scene.proxies.kinds[i] != ProxyKind::None) visit(i, scene.proxies.by_slot[i].body);
+        }
+    };
+    for_each_proxy([&](std::uint32_t, std::uint32_t body) { ++first_proxy_[body + 1]; });
+    for (std::size_t slot = 0; slot < slots; ++slot) first_proxy_[slot + 1] += first_proxy_[slot];
+    proxies_.resize(first_proxy_.back());
+    std::vector<std::uint32_t> next(first_proxy_.begin(), first_proxy_.end() - 1);
+    for_each_proxy([&](std::uint32_t proxy, std::uint32_t body) { proxies_[next[body]++] = proxy; });
+    smallest_ = std::numeric_limits<double>::infinity();
+    for (std::size_t slot = 0; slot < slots; ++slot) {
+        if (has_mass(scene.bodies.roles[slot]) && sizes_[slot].extent > 0.0) smallest_ = std::min(smallest_, sizes_[slot].extent);
+    }
+    sizes_known_ = true;
+}
+
+bool Continuous::has_plane(const ContinuousScene& scene, std::uint32_t slot) const {
+    return std::any_of(proxies_.begin() + first_proxy_[slot], proxies_.begin() + first_proxy_[slot + 1],
+                       [&](std::uint32_t proxy) { return scene.proxies.kinds[proxy] == ProxyKind::Plane; });
+}
+
+// What is kinematic may be as large as it likes: it is fast where a small body could be passed over.
+bool Continuous::is_fast(const ContinuousScene& scene, std::uint32_t slot) const {
+    const Role role = scene.bodies.roles[slot];
+    const Continuity wish = continuity(slot);
+    if (!moves(role) || wish == Continuity::Never || first_proxy_[slot] == first_proxy_[slot + 1]) return false;
+    const BodySize& size = sizes_[slot];
+    const BodyState& state = scene.bodies.states[slot];
+    const double reach = role == Role::Kinematic && has_plane(scene, slot) ? std::numeric_limits<double>::max() : size.reach, motion = motion_of(scene.start(slot), state, reach, scene.dt);
+    if (wish == Continuity::Always) return motion > 0.0;
+    return motion > settings_.motion * (role == Role::Kinematic ? smallest_ : size.extent);
+}
+
+bool Continuous::look(const ContinuousScene& scene) {
+    counts_ = {};
+    fast_.clear();
+    if (!sizes_known_) list_bodies(scene);
+    for (std::uint32_t slot = 0; slot < scene.bodies.roles.size(); ++slot) {
+        if (is_fast(scene, slot) && is_usable(scene.bodies.states[slot], scene.dt)) fast_.push_back(slot);
+    }
+    counts_.followed = fast_.size();
+    return !fast_.empty();
+}
+
+// Whether a shape went where the broadphase does not expect it.
+bool Continuous::strays(const ContinuousScene& scene, std::uint32_t proxy) const {
+    const Proxy& p = scene.proxies.by_slot[proxy];
+    const Pose& from = scene.start(p.body);
+    const BodyState& to = scene.bodies.states[p.body];
+    const double turn = std::min(glm::length(to.spin) * scene.dt, 2.0);
+    const Aabb ends = merge(bounds(p.shape, from * p.local), bounds(p.shape, to.pose * p.local));
+    const FloatAabb way = round_outward(inflate(ends, 0.5 * p.reach * turn * turn), scene.proxies.origin);
+    const FloatAabb& known = scene.proxies.boxes[proxy];
+    return glm::any(glm::lessThan(way.lower, known.lower)) || glm::any(glm::greaterThan(way.upper, known.upper));
+}
+
+void Continuous::list_strays(const ContinuousScene& scene) {
+    strays_.clear();
+    for (std::uint32_t slot = 0; slot < scene.bodies.roles.size(); ++slot) {
+        // A kinematic body goes where its velocity takes it, and what moves less than gravity may move it stays in its boxes.
+        if (scene.bodies.roles[slot] != Role::Dynamic || !is_usable(scene.bodies.states[slot], scene.dt)) continue;
+        const double pulled = glm::length(scene.free_motion(slot).acceleration) * scene.dt * scene.dt;
+        if (motion_of(scene.start(slot), scene.bodies.states[slot], sizes_[slot].reach, scene.dt) <= pulled) continue;
+        for (std::uint32_t k = first_proxy_[slot]; k < first_proxy_[slot + 1]; ++k) {
+            if (!strays(scene, proxies_[k])) continue;
+            strays_.push_back(slot);
+            break;
+        }
+    }
+}
+
+BodyState Continuous::state_at(const ContinuousScene& scene, const Mover& mover, double t) const {
+    if (mover.stopped) return mover.flight.start;
+    if (mover.flies) {
+        BodyState state = mover.flight.start;
+        if (t > mover.since) integrate_free(state, scene.bodies.masses[mover.slot], mover.flight.motion, (t - mover.since) * scene.dt);
+        return state;
+    }
+    BodyState state = scene.bodies.states[mover.slot];
+    state.pose = pose_at(mover.path.piece(BodyPath::kWhole), t);
+    return state;
+}
+
+void Continuous::lay_path(const ContinuousScene& scene, Mover& mover) const {
+    const BodyState& now = scene.bodies.states[mover.slot];
+    const BodySize& size = sizes_[mover.slot];
+    if (mover.stopped) {
+        mover.path.go({.begin = mover.since, .start = mover.flight.start.pose});
+    } else if (mover.flies) {
+        const double extent = size.extent < std::numeric_limits<double>::infinity() ? size.extent : size.reach;
+        const double most_bend = std::max(kBendShare * extent, kReachShare * size.reach);
+        mover.path.fly(mover.flight, scene.bodies.masses[mover.slot], mover.since, {scene.dt, size.reach, most_bend});
+    } else if (moves(scene.bodies.roles[mover.slot])) {
+        mover.path.go(chord(scene.start(mover.slot), now.pose, scene.dt * now.spin));
+    } else {
+        mover.path.go({.start = now.pose});
+    }
+}
+
+std::uint32_t Continuous::mover_of(const ContinuousScene& scene, std::uint32_t slot) {
+    std::uint32_t& number = mover_of_slot_[slot];
+    if (number != kNone) return number;
+    number = static_cast<std::uint32_t>(mover_count_++);
+    if (movers_.size() < mover_count_) movers_.resize(mover_count_);
+    Mover& mover = movers_[number];
+    BodyPath path = std::move(mover.path);  // for its memory
+    mover = Mover();
+    mover.slot = slot;
+    mover.path = std::move(path);
+    const Departure& departure = departures_[slot];
+    // Bodies that bounced have been moved since.
+    if (departure.step == step_ && moves(scene.bodies.roles[slot]) && departure.end == scene.bodies.states[slot].pose.position) {
+        mover.flies = true;
+        mover.flight = {departure.start, scene.free_motion(slot)};
+    }
+    lay_path(scene, mover);
+    return number;
+}
+
+bool Continuous::may_meet(const ContinuousScene& scene, std::uint32_t p, std::uint32_t q) const {
+    const std::uint32_t body_p = scene.proxies.bodies[p], body_q = scene.proxies.bodies[q];
+    const Role role_p = scene.bodies.roles[body_p], role_q = scene.bodies.roles[body_q];
+    return body_p != body_q && role_q != Role::Absent && (has_mass(role_p) || has_mass(role_q)) &&
+           agree(scene.proxies.filters[p], scene.proxies.filters[q]) && !scene.parted(body_p, body_q);
+}
+
+void Continuous::for_each_near(const ContinuousScene& scene, const Mover& mover, std::uint32_t proxy, FunctionRef<void(std::uint32_t q)> visit) {
+    ++look_;
+    seen_.resize(scene.proxies.by_slot.size(), 0);
+    const auto see = [&](std::uint32_t q) {
+        if (std::exchange(seen_[q], look_) != look_ && may_meet(scene, proxy, q)) visit(q);
+        return true;
+    };
+    if (scene.proxies.kinds[proxy] == ProxyKind::Plane) {
+        for (std::uint32_t q = 0; q < scene.proxies.by_slot.size(); ++q) {
+            if (scene.proxies.kinds[q] == ProxyKind::Bounded) see(q);
+        }
+        return;
+    }
+    const double reach = scene.proxies.by_slot[proxy].reach;
+    const PathPiece& way = mover.path.piece(BodyPath::kWhole);
+    const dvec3 at = way.start.position - scene.proxies.origin, round{reach + way.sway};
+    query_swept_box(scene.broadphase, at - round, at + round, way.translation, see);
+    for (const std::uint32_t plane : scene.proxies.planes) see(plane);
+    const Aabb box = box_of(way, reach);
+    for (std::size_t k = 0; k < strays_.size(); ++k) {
+        const std::uint32_t slot = strays_[k];
+        if (slot == mover.slot || !overlaps(box, movers_[mover_of(scene, slot)].path.box(sizes_[slot].reach))) continue;
+        for (std::uint32_t i = first_proxy_[slot]; i < first_proxy_[slot + 1]; ++i) see(proxies_[i]);
+    }
+}
+
+}  // namespace carom::dynamics

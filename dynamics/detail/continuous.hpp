@@ -1,0 +1,174 @@
+// The continuous stage: bodies that moved far are followed along the paths that the solver gave them, and meet what is in their way.
+//
+//   continuous.prepare(slots);                       // before the free bodies move
+//   continuous.depart(slot, state); ...; continuous.arrive(slot, state);
+//   if (continuous.look(scene)) continuous.run(scene);   // after everybody has moved
+//
+// Impacts come in the order of their times. At each the two bodies get new velocities and new paths for the rest of the step, and all that is near these is
+// asked for again: of the broadphase, and of those that have left the boxes it knows (strays).
+//
+// What touches at the start of a path is the solver's, or has just been struck. Of such a pair one is thinned until they are apart, and watched as what is left
+// of it: no pair goes much deeper than it is without a blow. docs/continuous.md has the promise and its proof.
+#pragma once
+
+#include <carom/broadphase/broadphase.hpp>
+#include <carom/core/function_ref.hpp>
+#include <carom/dynamics/continuous_settings.hpp>
+#include <carom/dynamics/detail/body_path.hpp>
+#include <carom/dynamics/detail/body_sizes.hpp>
+#include <carom/dynamics/detail/first_touch.hpp>
+#include <carom/dynamics/detail/meeting.hpp>
+#include <carom/dynamics/detail/proxies.hpp>
+#include <carom/dynamics/step_report.hpp>
+#include <carom/narrowphase/collide.hpp>
+
+#include <cstdint>
+#include <span>
+#include <deque>
+#include <optional>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+namespace carom::dynamics {
+
+/// What the stage sees of the world, whose bodies have moved.
+struct ContinuousScene {
+    const ProxySet& proxies;
+    const Broadphase& broadphase;
+    BodyArrays& bodies;
+    double dt = 0.0;
+    FunctionRef<const Pose&(std::uint32_t slot)> start;             ///< of the principal frame, at the start of the step
+    FunctionRef<FreeMotion(std::uint32_t slot)> free_motion;
+    FunctionRef<bool(std::uint32_t a, std::uint32_t b)> parted;     ///< by a joint: they do not meet
+    FunctionRef<void(std::uint32_t slot)> wake;
+};
+
+class Continuous {
+public:
+    explicit Continuous(const ContinuousSettings& settings) : settings_(settings) {}
+    [[nodiscard]] bool is_on() const noexcept { return settings_.enabled; }
+
+    /// A body came to the slot.
+    void begin(std::uint32_t slot, Continuity continuity);
+    [[nodiscard]] Continuity continuity(std::uint32_t slot) const noexcept { return slot < wishes_.size() ? wishes_[slot] : Continuity::Automatic; }
+    /// The shapes of some body are others.
+    void note_shapes() noexcept { sizes_known_ = false; }
+
+    /// Before the step's bodies move by themselves: depart() and arrive() of different bodies may then come from different threads.
+    void prepare(std::size_t slots);
+    void depart(std::uint32_t slot, const BodyState& state) noexcept { departures_[slot].start = state; }
+    void arrive(std::uint32_t slot, const BodyState& state) noexcept {
+        departures_[slot].end = state.pose.position;
+        departures_[slot].step = step_;
+    }
+
+    /// @return whether any body is to be followed. Cost: a few comparisons a body.
+    [[nodiscard]] bool look(const ContinuousScene& scene);
+    void run(const ContinuousScene& scene);
+    [[nodiscard]] const ContinuousCounts& counts() const noexcept { return counts_; }
+
+private:
+    static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+
+    /// A body that moved by itself, and so along a path that is known.
+    struct Departure {
+        BodyState start;
+        dvec3 end{0.0};
+        std::uint64_t step = 0;
+    };
+    /// A body that is followed, or that is near one.
+    struct Mover {
+        std::uint32_t slot = 0;
+        Flight flight;
+        double since = 0.0;     ///< when the flight began
+        bool flies = false;     ///< along `flight`; else along a chord, or not at all
+        bool changed = false;   ///< by an impact
+        bool stopped = false;   ///< where it had its last impact, until the step is over
+        int impacts = 0;
+        std::uint32_t version = 0;
+        BodyPath path;
+    };
+    /// Shapes, by their proxies; A has mass.
+    struct Pair {
+        std::uint32_t a = 0, b = 0;
+    };
+    struct Event {
+        double t = 0.0;
+        Pair pair;
+        int level = 0;
+        std::uint32_t version_a = 0, version_b = 0;  ///< of the movers
+        Impact impact;
+        double bend = 0.0;  ///< of the two paths [m]
+
+        /// A total order: first by time.
+        static bool later(const Event& x, const Event& y) noexcept {
+            return std::tie(x.t, x.pair.a, x.pair.b, x.level) > std::tie(y.t, y.pair.a, y.pair.b, y.level);
+        }
+    };
+
+    void list_bodies(const ContinuousScene& scene);
+    [[nodiscard]] bool has_plane(const ContinuousScene& scene, std::uint32_t slot) const;
+    [[nodiscard]] bool is_fast(const ContinuousScene& scene, std::uint32_t slot) const;
+    void list_strays(const ContinuousScene& scene);
+    [[nodiscard]] bool strays(const ContinuousScene& scene, std::uint32_t proxy) const;
+
+    std::uint32_t mover_of(const ContinuousScene& scene, std::uint32_t slot);
+    void lay_path(const ContinuousScene& scene, Mover& mover) const;
+    [[nodiscard]] BodyState state_at(const ContinuousScene& scene, const Mover& mover, double t) const;
+
+    void for_each_near(const ContinuousScene& scene, const Mover& mover, std::uint32_t proxy, FunctionRef<void(std::uint32_t q)> visit);
+    [[nodiscard]] bool may_meet(const ContinuousScene& scene, std::uint32_t p, std::uint32_t q) const;
+    /// @param skip  the slot of a body that is left out.
+    void search_all(const ContinuousScene& scene, std::uint32_t mover, double from, std::uint32_t skip);
+    void search(const ContinuousScene& scene, const Pair& pair, double from, int level);
+    /// What a search is about.
+    struct Search {
+        std::uint32_t a = 0, b = 0;       ///< movers
+        const Proxy *proxy_a = nullptr, *proxy_b = nullptr;
+        MovingShape shape_a, shape_b;
+        int level = 0;
+        double from = 0.0;
+        double tolerance = 0.0;           ///< [m]
+        std::optional<Aabb> still;        ///< about B, where that does not move
+        double t = 1.0, bend = 0.0;       ///< what is found
+        Impact impact;
+    };
+    /// @param begin, end  within the pieces of the two numbers. @return whether they may touch there.
+    bool touch(Search& search, double begin, double end, std::uint32_t piece_a, std::uint32_t piece_b);
+    [[nodiscard]] Pair order(const ContinuousScene& scene, std::uint32_t p, std::uint32_t q) const;
+    /// @return the smallest extent of the smaller one [m].
+    [[nodiscard]] double size_of(const ContinuousScene& scene, const Pair& pair) const;
+    void search_deeper(const ContinuousScene& scene, const Pair& pair, double from, int level);
+
+    void resolve(const ContinuousScene& scene, const Event& event);
+    void find_points(const ContinuousScene& scene, const Event& event, const BodyState& a, const BodyState& b);
+    void strike(const ContinuousScene& scene, std::uint32_t mover, double t, const BodyState& state, bool stop);
+
+    ContinuousSettings settings_;
+    ContinuousCounts counts_;
+    std::vector<Continuity> wishes_;           // by slot; only as far as a body wished for any
+    std::vector<BodySize> sizes_;              // by slot
+    std::vector<std::uint32_t> first_proxy_;   // by slot, and one more: in proxies_
+    std::vector<std::uint32_t> proxies_;       // of all bodies
+    double smallest_ = 0.0;                    // extent of a dynamic body [m]
+    bool sizes_known_ = false;
+    std::vector<Departure> departures_;        // by slot
+    std::uint64_t step_ = 0;
+
+    std::vector<std::uint32_t> fast_;          // slots
+    std::vector<unsigned char> is_fast_;       // by slot
+    std::vector<std::uint32_t> strays_;        // slots
+    std::vector<std::uint32_t> mover_of_slot_;
+    std::deque<Mover> movers_;
+    std::size_t mover_count_ = 0;              // those beyond keep their memory
+    std::vector<Event> events_;                // a heap
+    std::vector<std::uint64_t> seen_;          // by proxy: the look in which it was seen
+    std::uint64_t look_ = 0;
+    std::int64_t budget_ = 0;                  // impacts that are left in this step
+    Meeting meeting_;
+    std::vector<Manifold> manifolds_;
+    Cores cores_;
+};
+
+}  // namespace carom::dynamics

@@ -1,0 +1,215 @@
+// The events of the continuous stage: who meets whom next, and what comes of it.
+#include <carom/dynamics/detail/continuous.hpp>
+
+#include <carom/collision/aabb.hpp>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <tuple>
+
+namespace carom::dynamics {
+namespace {
+
+constexpr std::int64_t kLeastBudget = 1024, kBudgetPerBody = 64;  // impacts in a step
+constexpr int kLevelOfContacts = 4;        // at which contacts of the solver are watched
+constexpr double kCoarse = 0.25;          // of the reach: pieces that bend more are split without a look
+constexpr double kToleranceShare = 1e-4;  // of the smallest extent: how near a search comes
+constexpr double kMarginShare = 1e-3;     // of the same: how far points of contact are looked for beyond that
+constexpr double kSlowShare = 0.01;       // of the same, in a step: slower is no impact
+
+constexpr Aabb kEverywhere{dvec3{-std::numeric_limits<double>::infinity()}, dvec3{std::numeric_limits<double>::infinity()}};
+
+}  // namespace
+
+void Continuous::run(const ContinuousScene& scene) {
+    const std::size_t slots = scene.bodies.roles.size();
+    mover_of_slot_.assign(slots, kNone);
+    mover_count_ = 0;
+    events_.clear();
+    is_fast_.assign(slots, 0);
+    for (const std::uint32_t slot : fast_) is_fast_[slot] = 1;
+    budget_ = kLeastBudget + kBudgetPerBody * static_cast<std::int64_t>(fast_.size());
+    list_strays(scene);
+    for (const std::uint32_t slot : fast_) search_all(scene, mover_of(scene, slot), 0.0, kNone);
+    while (!events_.empty()) {
+        std::pop_heap(events_.begin(), events_.end(), Event::later);
+        const Event event = events_.back();
+        events_.pop_back();
+        resolve(scene, event);
+    }
+    for (std::size_t i = 0; i < mover_count_; ++i) {
+        if (movers_[i].changed) scene.bodies.states[movers_[i].slot] = state_at(scene, movers_[i], 1.0);
+    }
+}
+
+// A has mass; where both have, it is one that a core can be made of, rather the one that is followed.
+Continuous::Pair Continuous::order(const ContinuousScene& scene, std::uint32_t p, std::uint32_t q) const {
+    const auto mass = [&](std::uint32_t proxy) { return has_mass(scene.bodies.roles[scene.proxies.bodies[proxy]]); };
+    const auto mesh = [&](std::uint32_t proxy) { return type_of(scene.proxies.by_slot[proxy].shape) == ShapeType::TriangleMesh; };
+    const bool swap = mass(p) != mass(q) ? mass(q) : mesh(p) && !mesh(q);
+    return swap ? Pair{q, p} : Pair{p, q};
+}
+
+double Continuous::size_of(const ContinuousScene& scene, const Pair& pair) const {
+    return std::min(scene.proxies.extents[pair.a], scene.proxies.kinds[pair.b] == ProxyKind::Plane ? std::numeric_limits<double>::infinity()
+                                                                                                  : scene.proxies.extents[pair.b]);
+}
+
+void Continuous::search_all(const ContinuousScene& scene, std::uint32_t number, double from, std::uint32_t skip) {
+    const Mover& mover = movers_[number];
+    for (std::uint32_t k = first_proxy_[mover.slot]; k < first_proxy_[mover.slot + 1]; ++k) {
+        const std::uint32_t p = proxies_[k];
+        for_each_near(scene, mover, p, [&](std::uint32_t q) {
+            const std::uint32_t other = scene.proxies.bodies[q];
+            const bool other_asks = from == 0.0 && is_fast_[other] != 0 && other < mover.slot;
+            if (other != skip && !other_asks) search(scene, order(scene, p, q), from, 0);
+        });
+    }
+}
+
+// As finely as it takes: a piece that may touch and bends too much is looked at by halves, the earlier first.
+bool Continuous::touch(Search& search, double begin, double end, std::uint32_t number_a, std::uint32_t number_b) {
+    BodyPath &path_a = movers_[search.a].path, &path_b = movers_[search.b].path;
+    const PathPiece a = cut(path_a.piece(number_a), begin, end), b = cut(path_b.piece(number_b), begin, end);
+    const Aabb box_b = search.still ? *search.still : box_of(b, search.proxy_b->reach);
+    if (!overlaps(box_of(a, search.proxy_a->reach), box_b)) return false;
+    const double bend = a.bend + b.bend;
+    const bool split_a = path_a.can_split(number_a) && (a.bend >= b.bend || !path_b.can_split(number_b)), split_b = !split_a && path_b.can_split(number_b);
+    if (!(split_a || split_b) || bend < kCoarse * search.proxy_a->reach) {
+        search.shape_a.motion = shape_motion(a, search.proxy_a->local);
+        search.shape_b.motion = shape_motion(b, search.proxy_b->local);
+        const Impact impact = first_touch(search.shape_a, search.level, search.shape_b, {.separation = bend, .tolerance = search.tolerance}, cores_);
+        if (!may_touch(impact.status)) return false;
+        if (!(split_a || split_b)) {
+            search.t = begin + impact.t * (end - begin);
+            search.impact = impact;
+            search.bend = bend;
+            if (impact.status == ImpactStatus::Overlapping && begin > search.from) {  // within the bend: which way is told by where they are going
+                const Impact closer = first_touch(search.shape_a, search.level, search.shape_b, {.tolerance = search.tolerance}, cores_);
+                search.impact.point = closer.point, search.impact.normal = closer.normal;
+            }
+            return true;
+        }
+        begin += impact.t * (end - begin);  // nothing before that
+    }
+    const auto [earlier, later] = split_a ? path_a.split(number_a) : path_b.split(number_b);
+    const double middle = (split_a ? path_a : path_b).piece(earlier).end;
+    const auto half = [&](double from, double to, std::uint32_t piece) {
+        return from < to && touch(search, from, to, split_a ? piece : number_a, split_a ? number_b : piece);
+    };
+    return half(begin, std::min(middle, end), earlier) || half(std::max(begin, middle), end, later);
+}
+
+void Continuous::search(const ContinuousScene& scene, const Pair& pair, double from, int level) {
+    Search search;
+    search.proxy_a = &scene.proxies.by_slot[pair.a], search.proxy_b = &scene.proxies.by_slot[pair.b];
+    search.a = mover_of(scene, search.proxy_a->body), search.b = mover_of(scene, search.proxy_b->body);
+    search.shape_a.shape = &search.proxy_a->shape;
+    search.shape_b.shape = &search.proxy_b->shape;
+    search.level = level;
+    search.from = from;
+    search.tolerance = kToleranceShare * size_of(scene, pair);
+    const Role role = scene.bodies.roles[search.proxy_b->body];
+    if (role == Role::Static || scene.proxies.kinds[pair.b] == ProxyKind::Plane) {
+        search.still = scene.proxies.kinds[pair.b] == ProxyKind::Plane ? kEverywhere : bounds(search.proxy_b->shape, scene.proxies.poses[pair.b]);
+    }
+    ++counts_.pairs;
+    if (!touch(search, from, 1.0, BodyPath::kWhole, BodyPath::kWhole)) return;
+    counts_.clamped += search.impact.status == ImpactStatus::Clamped ? 1 : 0;
+    // What touches from the start is the solver's.
+    if (search.t == from && (from == 0.0 || level > 0)) return search_deeper(scene, pair, from, from == 0.0 ? std::max(level, kLevelOfContacts - 1) : level);
+    events_.push_back({search.t, pair, level, movers_[search.a].version, movers_[search.b].version, search.impact, search.bend});
+    std::push_heap(events_.begin(), events_.end(), Event::later);
+}
+
+// What is so deep in each other that next to nothing of one is apart from the other is held by its contacts alone, if it was so from the start; what has
+// come there goes no farther.
+void Continuous::search_deeper(const ContinuousScene& scene, const Pair& pair, double from, int level) {
+    if (level + 1 < kLevels) return search(scene, pair, from, level + 1);
+    if (from == 0.0) {
+        ++counts_.overlapping;
+        return;
+    }
+    for (const std::uint32_t proxy : {pair.a, pair.b}) {
+        const std::uint32_t slot = scene.proxies.bodies[proxy], number = mover_of_slot_[slot];
+        if (!has_mass(scene.bodies.roles[slot]) || movers_[number].stopped) continue;
+        strike(scene, number, from, state_at(scene, movers_[number], from), true);
+        search_all(scene, number, from, kNone);
+    }
+}
+
+// Where the two touch, by the narrowphase; where it finds nothing because the time is a little early, and of what is thinned, by the search.
+void Continuous::find_points(const ContinuousScene& scene, const Event& event, const BodyState& a, const BodyState& b) {
+    const Proxy &proxy_a = scene.proxies.by_slot[event.pair.a], &proxy_b = scene.proxies.by_slot[event.pair.b];
+    const bool mesh = type_of(proxy_a.shape) == ShapeType::TriangleMesh;
+    meeting_.points.clear();
+    if (event.level == 0) {
+        const Pose pose_a = a.pose * proxy_a.local, pose_b = b.pose * proxy_b.local;
+        const double margin = event.bend + (kToleranceShare + kMarginShare) * size_of(scene, event.pair);
+        manifolds_.clear();
+        collide({&proxy_a.shape, &proxy_b.shape, pose_a, pose_b, static_cast<float>(margin)}, 0, manifolds_);
+        if (mesh && manifolds_.empty()) return;  // only its hull is there
+        for (const Manifold& m : manifolds_) {
+            const Surface surface = combine(surface_of_part(proxy_a.surface, compound_of(proxy_a.shape), m.part_a),
+                                            surface_of_part(proxy_b.surface, compound_of(proxy_b.shape), m.part_b));
+            for (const ContactPoint& p : m.used()) {
+                if (!mesh) meeting_.points.push_back({pose_a.position + dvec3{p.position}, dvec3{m.normal}, surface.friction, surface.restitution});
+            }
+        }
+    }
+    if (!meeting_.points.empty()) return;
+    const Surface surface = combine(proxy_a.surface, proxy_b.surface);
+    if (event.impact.normal != dvec3{0.0}) {
+        meeting_.points.push_back({event.impact.point, event.impact.normal, surface.friction, surface.restitution});
+    } else if (const dvec3 between = a.velocity - b.velocity; between != dvec3{0.0}) {  // no direction is known but the one that must not be gone on
+        meeting_.points.push_back({a.pose.position, glm::normalize(between), 0.0, 0.0});
+    }
+}
+
+void Continuous::resolve(const ContinuousScene& scene, const Event& event) {
+    const std::uint32_t slot_a = scene.proxies.bodies[event.pair.a], slot_b = scene.proxies.bodies[event.pair.b];
+    const std::uint32_t number_a = mover_of_slot_[slot_a], number_b = mover_of_slot_[slot_b];
+    const Mover &a = movers_[number_a], &b = movers_[number_b];
+    const bool b_gives_way = has_mass(scene.bodies.roles[slot_b]);
+    if (a.version != event.version_a || b.version != event.version_b || (a.stopped && (b.stopped || !b_gives_way))) return;
+    BodyState state_a = state_at(scene, a, event.t), state_b = state_at(scene, b, event.t);
+    find_points(scene, event, state_a, state_b);
+    meeting_.a = meeter_of(state_a, scene.bodies.masses[slot_a], true);
+    meeting_.b = meeter_of(state_b, scene.bodies.masses[slot_b], b_gives_way);
+    const bool stop = a.stopped || b.stopped;
+    if (meeting_.approaches(kSlowShare * size_of(scene, event.pair) / scene.dt)) {
+        ++counts_.impacts;
+        --budget_;
+        meeting_.resolve();
+    } else if (!stop && a.flies && (b.flies || !b_gives_way)) {
+        return search_deeper(scene, event.pair, event.t, event.level);
+    }
+    state_a.velocity = meeting_.a.velocity, state_a.spin = meeting_.a.spin;
+    state_b.velocity = meeting_.b.velocity, state_b.spin = meeting_.b.spin;
+    strike(scene, number_a, event.t, state_a, stop);
+    if (b_gives_way) strike(scene, number_b, event.t, state_b, stop);
+    search_all(scene, number_a, event.t, kNone);
+    if (b_gives_way) search_all(scene, number_b, event.t, slot_a);
+}
+
+// The rest of the step begins anew for a body that was struck, or whose chord would go on where its velocity does not. What the solver had moved
+// has had its share of gravity. What meets a body that is stopped stops as well.
+void Continuous::strike(const ContinuousScene& scene, std::uint32_t number, double t, const BodyState& state, bool stop) {
+    Mover& mover = movers_[number];
+    if (scene.bodies.roles[mover.slot] == Role::Asleep) scene.wake(mover.slot);
+    if (!mover.flies) mover.flight.motion = {.spin_tolerance = scene.free_motion(mover.slot).spin_tolerance};
+    mover.flight.start = state;
+    if (!mover.stopped) mover.since = t;
+    mover.flies = mover.changed = true;
+    ++mover.version;
+    ++mover.impacts;
+    if (!mover.stopped && (stop || mover.impacts >= settings_.most_impacts || budget_ <= 0)) {
+        mover.stopped = true;
+        ++counts_.stopped;
+    }
+    lay_path(scene, mover);
+    if (std::find(strays_.begin(), strays_.end(), mover.slot) == strays_.end()) strays_.push_back(mover.slot);
+}
+
+}  // namespace carom::dynamics

@@ -1,0 +1,313 @@
+// Continuous collision in the world: nothing passes through anything, and blows are those of mechanics.
+//
+//   CAROM_SHOTS=1000000 test_dynamics --gtest_filter='Shots.*'     the long run, some minutes
+#include "table.hpp"
+
+#include <carom/collision/compound.hpp>
+#include <carom/collision/convex_hull.hpp>
+#include <carom/core/check.hpp>
+#include <carom/core/math.hpp>
+#include <carom/core/random.hpp>
+
+#include "../support/box_mesh.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <limits>
+#include <numbers>
+#include <string>
+#include <vector>
+
+namespace carom {
+namespace {
+
+using namespace test;
+
+constexpr WorldDef kSpace{.gravity = dvec3{0.0}};
+
+dquat any_rotation(Random& random) {
+    dvec3 axis{random.range(-1.0, 1.0), random.range(-1.0, 1.0), random.range(-1.0, 1.0)};
+    return glm::normalize(rotation_from_vector(3.0 * axis));
+}
+
+Shape hull_of_box(const vec3& half) {
+    std::vector<vec3> corners;
+    for (int i = 0; i < 8; ++i) corners.push_back(half * vec3{i & 1 ? 1.0f : -1.0f, i & 2 ? 1.0f : -1.0f, i & 4 ? 1.0f : -1.0f});
+    return *ConvexHull::build(corners);
+}
+
+/// What is shot.
+Shape bullet(int kind) {
+    switch (kind) {
+        case 0: return Sphere{0.05f};
+        case 1: return Box{{0.05f, 0.08f, 0.03f}};
+        case 2: return Capsule{0.0005f, 0.4995f};  // 1:1000
+        case 3: return hull_of_box({0.04f, 0.05f, 0.06f});
+        case 4: return Cylinder{0.05f, 0.02f};
+        case 5: return Cone{0.04f, 0.06f};
+        case 6: return *Compound::build({{Sphere{0.03f}, {{-0.06, 0, 0}, kIdentityRotation}}, {Box{vec3{0.02f}}, {{0.05, 0, 0}, kIdentityRotation}}});
+        default: return box_mesh(vec3{0.04f, 0.05f, 0.03f}, 2);
+    }
+}
+constexpr int kBullets = 8;
+
+/// The wall is between z = -thickness / 2 and thickness / 2.
+Shape wall(int kind, float thickness) {
+    const vec3 half{300.0f, 300.0f, 0.5f * thickness};
+    if (kind == 0) return Box{half};
+    if (kind == 1) return box_mesh(half, 1);
+    return *TriangleMesh::build(std::vector<vec3>{{-300, -300, 0}, {300, -300, 0}, {300, 300, 0}, {-300, 300, 0}},
+                                std::vector<TriangleMesh::Triangle>{{0, 1, 2}, {0, 2, 3}});  // a sheet
+}
+
+/// Shots that go through, of `count` that fly towards a wall with spins up to 1e4 rad/s, none of which sees another.
+int count_tunnelled(int count, int bullet_kind, int wall_kind, std::uint64_t seed, const WorldDef& def = kSpace) {
+    World world(def);
+    Random random(seed);
+    const auto thickness = static_cast<float>(random.unit() < 0.5 ? 0.001 : random.range(0.001, 0.01));
+    const BodyId target = world.create_body({.type = BodyType::Static});
+    world.add_shape(target, wall(wall_kind, thickness), {.layer = 2});
+    const Shape shape = bullet(bullet_kind);
+    for (int i = 0; i < count; ++i) {
+        const double speed = 50.0 * std::pow(200.0, random.unit()), tilt = random.range(0.0, 0.5);
+        const dvec3 sideways{random.range(-1.0, 1.0), random.range(-1.0, 1.0), 0.0};
+        const double spin = random.unit() < 0.5 ? 0.0 : std::pow(10.0, random.range(0.0, 4.0));
+        BodyDef def_i{.position = {random.range(-50.0, 50.0), random.range(-50.0, 50.0), -0.6 - random.unit() * std::min(20.0, 1.5 * speed / 60.0)},
+                      .orientation = any_rotation(random),
+                      .linear_velocity = speed * glm::normalize(dvec3{0.0, 0.0, 1.0} + tilt * sideways),
+                      .angular_velocity = spin * rotate(any_rotation(random), dvec3{0.0, 1.0, 0.0})};
+        world.add_shape(world.create_body(def_i), shape, {.mask = 2});
+    }
+    for (int k = 0; k < 4; ++k) world.step(kDt);
+    int tunnelled = 0;
+    for (const BodyId body : world.bodies()) tunnelled += body != target && world.center_of_mass(body).z > 0.0;
+    return tunnelled;
+}
+
+int shots() {
+    const char* const asked = std::getenv("CAROM_SHOTS");
+    return asked == nullptr ? 10'000 : std::stoi(asked);
+}
+
+TEST(Shots, NoneOfAnyShapeGoesThroughAThinWall) {
+    constexpr int kBatch = 60;
+    const int batches = shots() / kBatch;
+    for (int i = 0; i < batches; ++i) {
+        const int kind = i % kBullets, at = (i / kBullets) % 3;
+        EXPECT_EQ(count_tunnelled(kBatch, kind, at, static_cast<std::uint64_t>(77 + i)), 0) << to_string(type_of(bullet(kind))) << " at wall " << at << ", batch " << i;
+    }
+}
+
+TEST(Shots, MostGoThroughWithoutContinuousCollision) {
+    EXPECT_GT(count_tunnelled(60, 0, 0, 5, {.gravity = dvec3{0.0}, .continuous = {.enabled = false}}), 50);
+}
+
+/// Two that fly at each other along x, off centre by less than they are thick.
+struct Duel {
+    World world;
+    BodyId left, right;
+    Duel(const Shape& a, const Shape& b, double speed, std::uint64_t seed, const ShapeDef& matter = {}) : world(kSpace) {
+        Random random(seed);
+        const double apart = random.range(0.3, 1.9) * speed / 60.0 + 1.2;
+        left = world.create_body({.position = {-0.5 * apart, random.range(-0.02, 0.02), random.range(-0.02, 0.02)}, .linear_velocity = {speed, 0.0, 0.0}});
+        right = world.create_body({.position = {0.5 * apart, 0.0, 0.0}, .linear_velocity = {-random.range(0.0, 1.0) * speed, 0.0, 0.0}});
+        world.add_shape(left, a, matter);
+        world.add_shape(right, b, matter);
+    }
+};
+
+TEST(Continuous, TwoFastBodiesMeet) {
+    const std::array<Shape, 5> shapes{Sphere{0.05f}, Box{{0.05f, 0.06f, 0.07f}}, Capsule{0.05f, 0.04f}, hull_of_box({0.05f, 0.06f, 0.04f}), Cylinder{0.06f, 0.05f}};
+    int met = 0;
+    for (std::uint64_t seed = 0; seed < 200; ++seed) {
+        const Shape &a = shapes[seed % 5], &b = shapes[seed / 5 % 5];
+        const double speed = std::array{50.0, 300.0, 2000.0, 1e4}[seed % 4];
+        Duel duel(a, b, speed, seed);
+        const Momentum before = duel.world.momentum();
+        const double energy = duel.world.energy().total();
+        StepReport report;
+        for (int i = 0; i < 4 && report.continuous.impacts + report.contacts == 0; ++i) report = duel.world.step(kDt);
+        ASSERT_GE(report.continuous.impacts + report.contacts, 1u) << seed << ": they passed";
+        if (report.contacts > 0) continue;  // so near at the start of a step that the solver had them
+        ++met;
+        const Momentum after = duel.world.momentum();
+        const double scale = speed * duel.world.mass_properties(duel.left).mass;
+        EXPECT_LT(glm::length(after.linear - before.linear), 1e-12 * scale) << seed;
+        EXPECT_LT(glm::length(after.angular - before.angular), 1e-10 * scale) << seed;
+        EXPECT_LE(duel.world.energy().total(), energy * (1.0 + 1e-12)) << seed;
+    }
+    EXPECT_GT(met, 180);
+}
+
+// v1' = [(m1 - e m2) v1 + (1 + e) m2 v2] / (m1 + m2), in the middle of a step.
+TEST(Continuous, CentralImpactsObeyNewtonsLaw) {
+    for (const float e : {0.0f, 0.5f, 1.0f}) {
+        World world(kSpace);
+        const double v1 = 400.0, v2 = -130.0;
+        const BodyId a = world.create_body({.position = {-3.0, 0.0, 0.0}, .linear_velocity = {v1, 0.0, 0.0}});
+        const BodyId b = world.create_body({.position = {1.0, 0.0, 0.0}, .linear_velocity = {v2, 0.0, 0.0}});
+        world.add_shape(a, Sphere{0.1f}, {.restitution = e});
+        world.add_shape(b, Sphere{0.2f}, {.restitution = e});
+        EXPECT_EQ(world.step(kDt).continuous.impacts, 1u);
+        const double m1 = world.mass_properties(a).mass, m2 = world.mass_properties(b).mass, exact = static_cast<double>(e);
+        EXPECT_NEAR(world.linear_velocity(a).x, ((m1 - exact * m2) * v1 + (1.0 + exact) * m2 * v2) / (m1 + m2), 1e-10);
+        EXPECT_NEAR(world.linear_velocity(b).x, ((m2 - exact * m1) * v2 + (1.0 + exact) * m1 * v1) / (m1 + m2), 1e-10);
+        // Placed where they met: within the tolerance of the search, 1e-4 of the smaller one.
+        const double t = (4.0 - static_cast<double>(0.1f) - static_cast<double>(0.2f)) / (v1 - v2);
+        EXPECT_NEAR(world.pose(a).position.x, -3.0 + v1 * t + world.linear_velocity(a).x * (kDt - t), 1e-4);
+    }
+}
+
+// The ball beside the wall may not be pushed through it.
+TEST(Continuous, ARestingBallThatIsHitBesideAWallStaysThere) {
+    for (const double speed : {50.0, 1e3, 1e4}) {
+        for (const float e : {0.0f, 1.0f}) {
+            World world(kSpace);
+            world.add_shape(world.create_body({.type = BodyType::Static}), Box{{5.0f, 5.0f, 0.005f}}, {.restitution = e});
+            const BodyId resting = world.create_body({.position = {0.0, 0.0, -0.0551}}), fast = world.create_body({.position = {0.001, 0.0, -3.0}, .linear_velocity = {0.0, 0.0, speed}});
+            world.add_shape(resting, Sphere{0.05f}, {.restitution = e});
+            world.add_shape(fast, Sphere{0.05f}, {.restitution = e});
+            for (int i = 0; i < 10; ++i) world.step(kDt);
+            EXPECT_LT(world.pose(resting).position.z, 0.0) << speed << " " << e;
+            EXPECT_LT(world.pose(fast).position.z, 0.0) << speed << " " << e;
+        }
+    }
+}
+
+// A rod that turns by 167 rad in the step sweeps its whole disc, which a short arc between two poses does not.
+TEST(Continuous, ASpinningRodMeetsWhatItsTurnsSweepOver) {
+    World world(kSpace);
+    const BodyId rod = world.create_body({.orientation = rotation_about({0.0, 0.0, 1.0}, std::numbers::pi / 2), .angular_velocity = {0.0, 1e4, 0.0}});
+    world.add_shape(rod, Capsule{0.0005f, 0.4995f});
+    const BodyId ball = world.create_body({.position = {0.0, 0.0, 0.4}});
+    world.add_shape(ball, Sphere{0.02f});
+    EXPECT_GE(world.step(kDt).continuous.impacts, 1u);
+    EXPECT_GT(glm::length(world.linear_velocity(ball)), 10.0);
+    EXPECT_LT(world.energy().kinetic, 0.5 * 1e8 * world.mass_properties(rod).inertia[0][0] * (1.0 + 1e-9));
+}
+
+TEST(Continuous, KinematicWallsPushWhatIsInTheirWay) {
+    for (const bool plane : {false, true}) {
+        World world(kSpace);
+        const BodyId door = world.create_body({.type = BodyType::Kinematic, .position = {0.0, 0.0, -5.0}, .linear_velocity = {0.0, 0.0, 600.0}});
+        world.add_shape(door, plane ? Shape{Plane{{0.0f, 0.0f, 1.0f}, 0.0f}} : Shape{Box{{3.0f, 3.0f, 0.01f}}});
+        const BodyId ball = world.create_body({});
+        world.add_shape(ball, Sphere{0.05f});
+        EXPECT_EQ(world.step(kDt).continuous.impacts, 1u) << plane;
+        EXPECT_NEAR(world.linear_velocity(ball).z, 600.0, 1e-9);
+        EXPECT_GT(world.pose(ball).position.z, world.pose(door).position.z);
+        EXPECT_NEAR(world.pose(door).position.z, 5.0, 1e-12);
+    }
+}
+
+TEST(Continuous, WakesASleeperThatIsHit) {
+    Table table({.sleep = {.enabled = true}}, 0.0f);
+    const BodyId crate = table.add({.position = {0.0, 0.5, 0.0}}, Box{});
+    table.run(120);
+    ASSERT_FALSE(table.world.is_awake(crate));
+    const BodyId shot = table.add({.position = {-8.0, 0.6, 0.0}, .linear_velocity = {500.0, 0.0, 0.0}}, Sphere{0.2f}, {.density = 5000.0});
+    const double before = table.world.momentum().linear.x;
+    EXPECT_GE(table.world.step(kDt).continuous.impacts, 1u);
+    EXPECT_TRUE(table.world.is_awake(crate));
+    EXPECT_GT(table.world.linear_velocity(crate).x, 1.0);
+    EXPECT_LT(table.world.pose(shot).position.x, table.world.pose(crate).position.x);
+    EXPECT_NEAR(table.world.momentum().linear.x, before, 1e-9 * before);
+}
+
+// Bodies that step() moves little are not followed, and nothing of them depends on the stage.
+TEST(Continuous, ChangesNothingWhereNothingIsFast) {
+    Table with, without({.continuous = {.enabled = false}});
+    for (Table* table : {&with, &without}) {
+        for (int i = 0; i < 30; ++i) table->add({.position = {0.3 * (i % 3), 0.6 + 1.1 * (i / 3), 0.2 * (i % 2)}}, Box{});
+    }
+    for (int i = 0; i < 200; ++i) {
+        EXPECT_EQ(with.world.step(kDt).continuous.followed, 0u);
+        EXPECT_EQ(without.world.step(kDt).ms(Stage::Continuous), 0.0);
+        ASSERT_EQ(with.world.state_hash(), without.world.state_hash()) << i;
+    }
+}
+
+TEST(Continuous, IsTheSameWithEveryBroadphase) {
+    std::vector<std::uint64_t> hashes;
+    for (const BroadphaseMethod method : {BroadphaseMethod::Automatic, BroadphaseMethod::BruteForce, BroadphaseMethod::SweepAndPrune, BroadphaseMethod::DynamicTree}) {
+        World world({.broadphase = method});
+        world.add_shape(world.create_body({.type = BodyType::Static}), Box{{10.0f, 10.0f, 0.01f}});
+        Random random(8);
+        for (int i = 0; i < 100; ++i) {
+            const BodyId body = world.create_body({.position = {random.range(-3.0, 3.0), random.range(-3.0, 3.0), random.range(-6.0, -0.5)},
+                                                   .orientation = any_rotation(random),
+                                                   .linear_velocity = {random.range(-50.0, 50.0), random.range(-50.0, 50.0), random.range(0.0, 500.0)},
+                                                   .angular_velocity = {random.range(-50.0, 50.0), 0.0, 0.0}});
+            world.add_shape(body, bullet(i % 7), {.restitution = i % 2 ? 0.5f : 0.0f});
+        }
+        std::size_t impacts = 0;
+        for (int i = 0; i < 5; ++i) impacts += world.step(kDt).continuous.impacts;
+        EXPECT_GT(impacts, 100u);
+        hashes.push_back(world.state_hash());
+    }
+    for (const std::uint64_t hash : hashes) EXPECT_EQ(hash, hashes.front());
+}
+
+TEST(Continuous, NeverAndAlwaysAreObeyed) {
+    const auto fly = [](Continuity continuity, double speed) {
+        World world(kSpace);
+        world.add_shape(world.create_body({.type = BodyType::Static}), Box{{5.0f, 5.0f, 0.005f}});
+        const BodyId ball = world.create_body({.position = {0.0, 0.0, -1.0}, .linear_velocity = {0.0, 0.0, speed}, .continuity = continuity});
+        world.add_shape(ball, Sphere{0.05f});
+        const std::size_t followed = world.step(kDt).continuous.followed;
+        world.step(kDt);
+        EXPECT_EQ(world.pose(ball).position.z > 0.0, continuity == Continuity::Never);
+        return followed;
+    };
+    EXPECT_EQ(fly(Continuity::Automatic, 100.0), 1u);
+    EXPECT_EQ(fly(Continuity::Never, 100.0), 0u);
+    EXPECT_EQ(fly(Continuity::Always, 1.0), 1u);
+    EXPECT_EQ(fly(Continuity::Automatic, 1.0), 0u);
+}
+
+// A ball between two plates has more impacts than are followed: it stops between them, and goes on in the next step.
+TEST(Continuous, WhatHasTooManyImpactsStaysWhereItIs) {
+    World world({.gravity = dvec3{0.0}, .continuous = {.most_impacts = 3}});
+    for (const double z : {-0.2, 0.2}) world.add_shape(world.create_body({.type = BodyType::Static, .position = {0.0, 0.0, z}}), Box{{5.0f, 5.0f, 0.005f}}, {.restitution = 1.0f});
+    const BodyId ball = world.create_body({.linear_velocity = {0.0, 0.0, 500.0}});
+    world.add_shape(ball, Sphere{0.05f}, {.restitution = 1.0f});
+    std::size_t stopped = 0;
+    for (int i = 0; i < 20; ++i) {
+        const ContinuousCounts counts = world.step(kDt).continuous;
+        stopped += counts.stopped;
+        EXPECT_LE(counts.impacts, 3u);
+        EXPECT_LT(std::abs(world.pose(ball).position.z), 0.2);
+        EXPECT_NEAR(std::abs(world.linear_velocity(ball).z), 500.0, 1e-9);
+    }
+    EXPECT_GE(stopped, 19u);
+}
+
+TEST(Continuous, RefusesBadInput) {
+    const auto refused = [](const ContinuousSettings& settings, ErrorCode code) {
+        const Status status = validate(WorldDef{.continuous = settings});
+        return !status && status.error().code == code;
+    };
+    EXPECT_TRUE(refused({.motion = 0.0}, ErrorCode::InvalidArgument));
+    EXPECT_TRUE(refused({.motion = 0.6}, ErrorCode::InvalidArgument));
+    EXPECT_TRUE(refused({.motion = std::numeric_limits<double>::quiet_NaN()}, ErrorCode::NotFinite));
+    EXPECT_TRUE(refused({.most_impacts = 0}, ErrorCode::InvalidArgument));
+    EXPECT_TRUE(refused({.most_impacts = 1001}, ErrorCode::InvalidArgument));
+    World world;
+    const BodyId fixed = world.create_body({.type = BodyType::Static}), free = world.create_body({});
+    EXPECT_THROW(world.set_continuity(fixed, Continuity::Always), MisuseError);
+    EXPECT_THROW(world.set_continuity(free, static_cast<Continuity>(3)), MisuseError);
+    EXPECT_THROW(world.create_body({.type = BodyType::Static, .continuity = Continuity::Never}), MisuseError);
+    EXPECT_EQ(world.continuity(free), Continuity::Automatic);
+    world.set_continuity(free, Continuity::Never);
+    EXPECT_EQ(world.continuity(free), Continuity::Never);
+    world.destroy_body(free);
+    EXPECT_THROW(world.set_continuity(free, Continuity::Always), MisuseError);
+    EXPECT_THROW(static_cast<void>(world.continuity(free)), MisuseError);
+    EXPECT_EQ(world.continuity(world.create_body({})), Continuity::Automatic);  // in the same slot
+}
+
+}  // namespace
+}  // namespace carom
