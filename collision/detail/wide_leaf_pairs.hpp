@@ -1,6 +1,6 @@
 // Lanes over the boxes of nodes and the triangles of leaves, of two wide hierarchies: which boxes overlap, which triangles meet.
 //
-//   first.set(leaf_a, leaf_a.vertex, margin); second.set(leaf_b, placed, margin);
+//   first.set(leaf_a, margin); second.set_placed(leaf_b, placement, margin);
 //   list_partners(first, second, among, pair);          // by boxes
 //   judge_partners(first, second, placement, pair);     // by planes and crossings, packed: a pair of triangles in each lane
 //
@@ -80,34 +80,37 @@ HWY_INLINE unsigned overlapping_deep(const Bounds& boxes, BoxAt other, unsigned 
 /// Triangles of a leaf with what tells others apart from them.
 struct alignas(64) Described {
     Bounds box;                   ///< grown by the margin
-    float corner[3][3][kWidth];   ///< [corner][x, y, z]
+    float corner[3][3][kWidth];   ///< [corner][x, y, z], from `origin`
+    float origin[3];
     Bounds whole;                 ///< around all boxes, in lane 0, where it was asked for
-    float longest;                ///< edge of a box, margin included
     bool has_whole = false;
 
-    HWY_INLINE void set(const WideLeaf& leaf, const float (&vertex)[3][kWidth], float margin) {
-        Floats length(0.0f);
-        const Floats m(margin);
-        Table16 table[3];
-        for (int axis = 0; axis < 3; ++axis) {
-            for (int p = 0; p < kParts; ++p) table[axis].set(p, load(vertex[axis] + p * kLanes));
+    HWY_INLINE void set(const WideLeaf& leaf, float margin) {
+        for (float& o : origin) o = 0.0f;
+        set(leaf, leaf.vertex, margin);
+    }
+    /// A leaf of b in the frame of a, from the place of its first vertex.
+    HWY_INLINE void set_placed(const WideLeaf& leaf, const WidePlacement& placement, float margin) {
+        const double first[3] = {double{leaf.vertex[0][0]}, double{leaf.vertex[1][0]}, double{leaf.vertex[2][0]}};
+        alignas(64) float vertex[3][kWidth];
+        Floats off[3][kParts];
+        for (int k = 0; k < 3; ++k) {
+            for (int p = 0; p < kParts; ++p) off[k][p] = load(leaf.vertex[k] + p * kLanes) - Floats(leaf.vertex[k][0]);
         }
-        for (int part = 0; part < kWidth; part += kLanes) {
-            const Picks picks[3] = {Picks(leaf.corner[0] + part), Picks(leaf.corner[1] + part), Picks(leaf.corner[2] + part)};
-            for (int axis = 0; axis < 3; ++axis) {
-                const Floats p[3] = {picks[0](table[axis]), picks[1](table[axis]), picks[2](table[axis])};
-                for (int k = 0; k < 3; ++k) store(p[k], corner[k][axis] + part);
-                const Floats lower = min(min(p[0], p[1]), p[2]) - m;
-                const Floats upper = max(max(p[0], p[1]), p[2]) + m;
-                length = max(length, upper - lower);
-                store(lower, box[0][axis] + part);
-                store(upper, box[1][axis] + part);
+        for (int row = 0; row < 3; ++row) {
+            const double (&map)[4] = placement.exact_to_a[row];
+            const double at = map[3] + (map[0] * first[0] + map[1] * first[1] + map[2] * first[2]);
+            origin[row] = static_cast<float>(at);
+            const Floats rest(static_cast<float>(at - double{origin[row]}));
+            const Floats factor[3] = {Floats(placement.to_a[row][0]), Floats(placement.to_a[row][1]), Floats(placement.to_a[row][2])};
+            for (int p = 0; p < kParts; ++p) {
+                store(rest + ((factor[0] * off[0][p] + factor[1] * off[1][p]) + factor[2] * off[2][p]), vertex[row] + p * kLanes);
             }
         }
-        longest = greatest_lane(length);
-        has_whole = false;
+        set(leaf, vertex, margin);
     }
 
+    /// The box around them all.
     HWY_INLINE BoxAt around() {
         if (!has_whole) {
             has_whole = true;
@@ -123,29 +126,53 @@ struct alignas(64) Described {
         }
         return BoxAt(whole, 0);
     }
+
+private:
+    HWY_INLINE void set(const WideLeaf& leaf, const float (&vertex)[3][kWidth], float margin) {
+        Table16 table[3];
+        for (int axis = 0; axis < 3; ++axis) {
+            for (int p = 0; p < kParts; ++p) table[axis].set(p, load(vertex[axis] + p * kLanes));
+        }
+        for (int part = 0; part < kWidth; part += kLanes) {
+            const Picks picks[3] = {Picks(leaf.corner[0] + part), Picks(leaf.corner[1] + part), Picks(leaf.corner[2] + part)};
+            for (int axis = 0; axis < 3; ++axis) {
+                const Floats p[3] = {picks[0](table[axis]), picks[1](table[axis]), picks[2](table[axis])};
+                for (int k = 0; k < 3; ++k) store(p[k], corner[k][axis] + part);
+                store(min(min(p[0], p[1]), p[2]) + Floats(origin[axis] - margin), box[0][axis] + part);
+                store(max(max(p[0], p[1]), p[2]) + Floats(origin[axis] + margin), box[1][axis] + part);
+            }
+        }
+        has_whole = false;
+    }
 };
 
-/// How far from zero determinants of triangles of two leaves must be to have a sign: the bounds of wide_pairs.hpp.
-struct Doubts {
-    float a, b;    ///< of heights over planes of triangles of a, and of b
-    float across;  ///< of crossings
-    float reach;
+HWY_INLINE Floats sum_of_sizes(const Floats3& n) { return abs(n.x) + abs(n.y) + abs(n.z); }
 
-    HWY_INLINE Doubts(const Described& first, const Described& second, const WidePlacement& placement) : reach(placement.reach_a) {
+/// A triangle in each lane, by its first corner and the edges from it to the others.
+struct Spanned {
+    Floats3 corner, e, f;
+
+    HWY_INLINE explicit Spanned(const Floats3 (&corners)[3]) : corner(corners[0]), e(corners[1] - corners[0]), f(corners[2] - corners[0]) {}
+    HWY_INLINE Floats size() const { return max(sum_of_sizes(e), sum_of_sizes(f)); }
+};
+
+/// How far from zero the determinants of a pair of triangles must be to have a sign: the bounds of wide_pairs.hpp.
+struct Doubts {
+    Floats a, b;    ///< of heights over planes of triangles of a, and of b
+    Floats across;  ///< of crossings
+
+    HWY_INLINE Doubts(const Spanned& first, const Spanned& second, const WidePlacement& placement) {
         constexpr float u = 0x1p-24f;
-        const float l_a = 1.7321f * first.longest, l_b = 1.7321f * second.longest;
-        const float w = 1.7321f * (first.longest + second.longest + 4.0f * placement.margin_a);
-        const float edge_a = u * l_a, edge_b = 2.0f * placement.corner_error + u * l_b, between = placement.corner_error + u * w;
-        const float times = reach > 0.0f ? 4.0f : 1.0f;
-        a = times * bound(l_a, edge_a, w, between);
-        b = times * bound(l_b, edge_b, w, between);
-        across = bound(w, between, l_a, edge_a);
-    }
-    /// Of a determinant of vectors of sizes e, e, g, wrong by de, de, dg in each component.
-    HWY_INLINE static float bound(float e, float de, float g, float dg) {
-        const float of_g = 3.4642f * (de * e) + 3.0f * (de * de) + 0x1p-20f * (e * e);
-        const float of_dg = 1.7321f * (e * e) + 6.0f * (e * de) + 6.0f * (de * de);
-        return 1.01f * (g * of_g + dg * of_dg);
+        const Floats twice_margin(placement.margin_a + placement.margin_a);
+        const Floats l_a = first.size() + twice_margin, l_b = second.size() + twice_margin;
+        const Floats all = ((sum_of_sizes(first.corner) + sum_of_sizes(second.corner)) + (l_a + l_b)) + Floats(placement.reach_a);
+        const Floats um = Floats(u * 1.01f) * all, doubt = Floats(30.0f * u) * all;
+        const Floats p_a = l_a + doubt, p_b = l_b + doubt;
+        const Floats times(placement.reach_a > 0.0f ? 4.0f : 1.0f);
+        const Floats far = Floats(60.0f) * all;
+        a = (times * um) * (p_a * (far + Floats(46.0f) * p_a));
+        b = (times * um) * (p_b * (far + Floats(46.0f) * p_b));
+        across = (um * all) * (Floats(30.0f) * all + Floats(152.0f) * l_a);
     }
 };
 
@@ -166,49 +193,38 @@ struct Verdicts {
     Mask certain;  ///< they meet
 };
 
-HWY_INLINE Floats greatest_sum(const Floats3& n) { return abs(n.x) + abs(n.y) + abs(n.z); }
-
 /// On pairs of triangles, one in each lane.
-HWY_INLINE Verdicts judge(const Floats3 (&corner)[3], const Floats3 (&other_corner)[3], const Doubts& doubts) {
-    const Floats3 normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
-    const Floats3 other_normal = cross(other_corner[1] - other_corner[0], other_corner[2] - other_corner[0]);
+HWY_INLINE Verdicts judge(const Floats3 (&corner)[3], const Floats3 (&other_corner)[3], const WidePlacement& placement) {
+    const Spanned mine(corner), other(other_corner);
+    const Doubts doubts(mine, other, placement);
+    const Floats3 normal = cross(mine.e, mine.f), other_normal = cross(other.e, other.f);
     Floats above[3], other_above[3];
     for (std::size_t k = 0; k < 3; ++k) {
         above[k] = dot(other_normal, corner[k] - other_corner[0]);
         other_above[k] = dot(normal, other_corner[k] - corner[0]);
     }
-    Floats off_other(doubts.b), off_mine(doubts.a);
-    if (doubts.reach > 0.0f) {
-        off_other += Floats(doubts.reach) * greatest_sum(other_normal);
-        off_mine += Floats(doubts.reach) * greatest_sum(normal);
+    Floats off_other = doubts.b, off_mine = doubts.a;
+    const bool has_reach = placement.reach_a > 0.0f;
+    if (has_reach) {
+        off_other += Floats(placement.reach_a) * sum_of_sizes(other_normal);
+        off_mine += Floats(placement.reach_a) * sum_of_sizes(normal);
     }
     const Mask near = (min(min(above[0], above[1]), above[2]) <= off_other) & (max(max(above[0], above[1]), above[2]) >= -off_other) &
                       (min(min(other_above[0], other_above[1]), other_above[2]) <= off_mine) &
                       (max(max(other_above[0], other_above[1]), other_above[2]) >= -off_mine);
     const Mask never = !first_lanes(kLanes);
-    if (doubts.reach > 0.0f || none(near)) return {near, never};
+    if (has_reach || none(near)) return {near, never};
 
     const Floats zero(0.0f);
     const Turned a = turned(corner, above[0] > zero, above[1] > zero, above[2] > zero);
     const Turned b = turned(other_corner, other_above[0] > zero, other_above[1] > zero, other_above[2] > zero);
     const Floats3 to_q = select(b.up, a.next, a.last) - a.lone, to_r = select(b.up, a.last, a.next) - a.lone;
     const Floats3 to_u = b.lone - a.lone, to_v = select(a.up, b.next, b.last) - a.lone, to_w = select(a.up, b.last, b.next) - a.lone;
-    const Floats first = dot(cross(to_q, to_u), to_v), second = dot(cross(to_r, to_w), to_u), across(doubts.across);
+    const Floats first = dot(cross(to_q, to_u), to_v), second = dot(cross(to_r, to_w), to_u), across = doubts.across;
     const Mask clear = (min(min(abs(above[0]), abs(above[1])), abs(above[2])) > off_other) &
                        (min(min(abs(other_above[0]), abs(other_above[1])), abs(other_above[2])) > off_mine);
     const Mask apart = clear & ((first > across) | (second > across));
     return {near & (!apart), near & clear & (first < -across) & (second < -across)};
-}
-
-/// The vertices of a leaf of b in the frame of a.
-HWY_INLINE void place_vertices(const WideLeaf& leaf, const float (&to)[3][4], float (&out)[3][kWidth]) {
-    for (int row = 0; row < 3; ++row) {
-        for (int part = 0; part < kWidth; part += kLanes) {
-            Floats sum(to[row][3]);
-            for (int k = 0; k < 3; ++k) sum += Floats(to[row][k]) * load(leaf.vertex[k] + part);
-            store(sum, out[row] + part);
-        }
-    }
 }
 
 /// One of 16 floats in each lane.
@@ -248,14 +264,14 @@ HWY_INLINE void list_partners(const Described& first, const Described& second, u
 
 /// Keeps of the pairs listed those that nothing parts.
 HWY_INLINE void judge_partners(const Described& first, const Described& second, const WidePlacement& placement, LeafPair& pair) {
-    const Doubts doubts(first, second, placement);
+    const Floats3 origin{Floats(second.origin[0]), Floats(second.origin[1]), Floats(second.origin[2])};
     std::size_t kept = 0;
     for (std::size_t at = 0; at < pair.count; at += kLanes) {
         const Ints code = load(pair.candidate + at);
         const Ints i = code & Ints(15), j{hn::ShiftRight<4>(code.raw)};
-        const Floats3 corner[3] = {pick_corner(first, 0, i), pick_corner(first, 1, i), pick_corner(first, 2, i)};
+        const Floats3 corner[3] = {pick_corner(first, 0, i) - origin, pick_corner(first, 1, i) - origin, pick_corner(first, 2, i) - origin};
         const Floats3 other_corner[3] = {pick_corner(second, 0, j), pick_corner(second, 1, j), pick_corner(second, 2, j)};
-        const Verdicts verdicts = judge(corner, other_corner, doubts);
+        const Verdicts verdicts = judge(corner, other_corner, placement);
         const Mask there = first_lanes(static_cast<int>(pair.count - at < kLanes ? pair.count - at : kLanes));
         kept += compress_store(code + select(verdicts.certain, Ints(LeafPair::kCertain), Ints(0)), verdicts.near & there, pair.candidate + kept);
     }

@@ -83,14 +83,12 @@ private:
     HWY_INLINE void describe_a(WideRef leaf) {
         if (leaf == described_a_) return;
         described_a_ = leaf;
-        first_.set(a_.leaf(leaf), a_.leaf(leaf).vertex, placement_.margin_a);
+        first_.set(a_.leaf(leaf), placement_.margin_a);
     }
     HWY_INLINE void describe_b(WideRef leaf) {
         if (leaf == described_b_) return;
         described_b_ = leaf;
-        alignas(64) float vertex[3][kWidth];
-        place_vertices(b_.leaf(leaf), placement_.to_a, vertex);
-        second_.set(b_.leaf(leaf), vertex, placement_.margin_a + placement_.reach_a);
+        second_.set_placed(b_.leaf(leaf), placement_, placement_.margin_a + placement_.reach_a);
     }
 
     HWY_INLINE bool find_partners(const PairEntry& here, LeafPair& pair) {
