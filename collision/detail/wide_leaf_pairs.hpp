@@ -49,6 +49,7 @@ struct BoxAt {
     HWY_INLINE BoxAt(const Bounds& of, std::size_t j) : lane(&of[0][0][j]) {}
     HWY_INLINE Floats lower(int k) const { return Floats(lane[k * kWidth]); }
     HWY_INLINE Floats upper(int k) const { return Floats(lane[(3 + k) * kWidth]); }
+    HWY_INLINE float edge(int k) const { return lane[(3 + k) * kWidth] - lane[k * kWidth]; }
 };
 
 /// Those of 16 boxes that overlap another.
@@ -82,15 +83,19 @@ struct alignas(64) Described {
     Bounds box;                   ///< grown by the margin
     float corner[3][3][kWidth];   ///< [corner][x, y, z], from `origin`
     float origin[3];
+    float size[kWidth];           ///< of a box: the sum of its edges
+    float around_origin;          ///< no vertex is farther from it
     Bounds whole;                 ///< around all boxes, in lane 0, where it was asked for
     bool has_whole = false;
 
     HWY_INLINE void set(const WideLeaf& leaf, float margin) {
         for (float& o : origin) o = 0.0f;
+        around_origin = 0.0f;
         set(leaf, leaf.vertex, margin);
     }
     /// A leaf of b in the frame of a, from the place of its first vertex.
-    HWY_INLINE void set_placed(const WideLeaf& leaf, const WidePlacement& placement, float margin) {
+    /// @param own  its box in the frame of b.
+    HWY_INLINE void set_placed(const WideLeaf& leaf, BoxAt own, const WidePlacement& placement, float margin) {
         const double first[3] = {double{leaf.vertex[0][0]}, double{leaf.vertex[1][0]}, double{leaf.vertex[2][0]}};
         alignas(64) float vertex[3][kWidth];
         Floats off[3][kParts];
@@ -107,6 +112,7 @@ struct alignas(64) Described {
                 store(rest + ((factor[0] * off[0][p] + factor[1] * off[1][p]) + factor[2] * off[2][p]), vertex[row] + p * kLanes);
             }
         }
+        around_origin = placement.stretch * ((own.edge(0) + own.edge(1)) + own.edge(2));
         set(leaf, vertex, margin);
     }
 
@@ -135,12 +141,16 @@ private:
         }
         for (int part = 0; part < kWidth; part += kLanes) {
             const Picks picks[3] = {Picks(leaf.corner[0] + part), Picks(leaf.corner[1] + part), Picks(leaf.corner[2] + part)};
+            Floats edges(6.0f * margin);
             for (int axis = 0; axis < 3; ++axis) {
                 const Floats p[3] = {picks[0](table[axis]), picks[1](table[axis]), picks[2](table[axis])};
                 for (int k = 0; k < 3; ++k) store(p[k], corner[k][axis] + part);
-                store(min(min(p[0], p[1]), p[2]) + Floats(origin[axis] - margin), box[0][axis] + part);
-                store(max(max(p[0], p[1]), p[2]) + Floats(origin[axis] + margin), box[1][axis] + part);
+                const Floats lower = min(min(p[0], p[1]), p[2]), upper = max(max(p[0], p[1]), p[2]);
+                edges += upper - lower;
+                store(lower + Floats(origin[axis] - margin), box[0][axis] + part);
+                store(upper + Floats(origin[axis] + margin), box[1][axis] + part);
             }
+            store(edges, size + part);
         }
         has_whole = false;
     }
@@ -148,31 +158,21 @@ private:
 
 HWY_INLINE Floats sum_of_sizes(const Floats3& n) { return abs(n.x) + abs(n.y) + abs(n.z); }
 
-/// A triangle in each lane, by its first corner and the edges from it to the others.
-struct Spanned {
-    Floats3 corner, e, f;
-
-    HWY_INLINE explicit Spanned(const Floats3 (&corners)[3]) : corner(corners[0]), e(corners[1] - corners[0]), f(corners[2] - corners[0]) {}
-    HWY_INLINE Floats size() const { return max(sum_of_sizes(e), sum_of_sizes(f)); }
-};
-
-/// How far from zero the determinants of a pair of triangles must be to have a sign: the bounds of wide_pairs.hpp.
+/// How far from zero the determinants of pairs of triangles must be to have a sign: the bounds of wide_pairs.hpp.
 struct Doubts {
     Floats a, b;    ///< of heights over planes of triangles of a, and of b
     Floats across;  ///< of crossings
 
-    HWY_INLINE Doubts(const Spanned& first, const Spanned& second, const WidePlacement& placement) {
+    /// @param l_a, l_b, around  L and N of wide_pairs.hpp.
+    HWY_INLINE Doubts(Floats l_a, Floats l_b, float around, bool has_reach) {
         constexpr float u = 0x1p-24f;
-        const Floats twice_margin(placement.margin_a + placement.margin_a);
-        const Floats l_a = first.size() + twice_margin, l_b = second.size() + twice_margin;
-        const Floats all = ((sum_of_sizes(first.corner) + sum_of_sizes(second.corner)) + (l_a + l_b)) + Floats(placement.reach_a);
-        const Floats um = Floats(u * 1.01f) * all, doubt = Floats(30.0f * u) * all;
-        const Floats p_a = l_a + doubt, p_b = l_b + doubt;
-        const Floats times(placement.reach_a > 0.0f ? 4.0f : 1.0f);
-        const Floats far = Floats(60.0f) * all;
-        a = (times * um) * (p_a * (far + Floats(46.0f) * p_a));
-        b = (times * um) * (p_b * (far + Floats(46.0f) * p_b));
-        across = (um * all) * (Floats(30.0f) * all + Floats(152.0f) * l_a);
+        const Floats sum = l_a + l_b;
+        const Floats d = Floats(30.3f * u) * (sum + Floats(around)), w = sum + d;
+        const Floats of_size = Floats(16.2f * u) * w, twice = d + d, beside = twice * w;
+        const Floats times(has_reach ? 4.0f : 1.0f), p_a = l_a + d, p_b = l_b + d;
+        a = (times * p_a) * (beside + (d + of_size) * p_a);
+        b = (times * p_b) * (beside + (d + of_size) * p_b);
+        across = w * (d * w + (twice + of_size) * l_a);
     }
 };
 
@@ -194,26 +194,25 @@ struct Verdicts {
 };
 
 /// On pairs of triangles, one in each lane.
-HWY_INLINE Verdicts judge(const Floats3 (&corner)[3], const Floats3 (&other_corner)[3], const WidePlacement& placement) {
-    const Spanned mine(corner), other(other_corner);
-    const Doubts doubts(mine, other, placement);
-    const Floats3 normal = cross(mine.e, mine.f), other_normal = cross(other.e, other.f);
+/// @param reach  in the frame of a.
+HWY_INLINE Verdicts judge(const Floats3 (&corner)[3], const Floats3 (&other_corner)[3], const Doubts& doubts, float reach) {
+    const Floats3 normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
+    const Floats3 other_normal = cross(other_corner[1] - other_corner[0], other_corner[2] - other_corner[0]);
     Floats above[3], other_above[3];
     for (std::size_t k = 0; k < 3; ++k) {
         above[k] = dot(other_normal, corner[k] - other_corner[0]);
         other_above[k] = dot(normal, other_corner[k] - corner[0]);
     }
     Floats off_other = doubts.b, off_mine = doubts.a;
-    const bool has_reach = placement.reach_a > 0.0f;
-    if (has_reach) {
-        off_other += Floats(placement.reach_a) * sum_of_sizes(other_normal);
-        off_mine += Floats(placement.reach_a) * sum_of_sizes(normal);
+    if (reach > 0.0f) {
+        off_other += Floats(reach) * sum_of_sizes(other_normal);
+        off_mine += Floats(reach) * sum_of_sizes(normal);
     }
     const Mask near = (min(min(above[0], above[1]), above[2]) <= off_other) & (max(max(above[0], above[1]), above[2]) >= -off_other) &
                       (min(min(other_above[0], other_above[1]), other_above[2]) <= off_mine) &
                       (max(max(other_above[0], other_above[1]), other_above[2]) >= -off_mine);
     const Mask never = !first_lanes(kLanes);
-    if (has_reach || none(near)) return {near, never};
+    if (reach > 0.0f || none(near)) return {near, never};
 
     const Floats zero(0.0f);
     const Turned a = turned(corner, above[0] > zero, above[1] > zero, above[2] > zero);
@@ -265,13 +264,14 @@ HWY_INLINE void list_partners(const Described& first, const Described& second, u
 /// Keeps of the pairs listed those that nothing parts.
 HWY_INLINE void judge_partners(const Described& first, const Described& second, const WidePlacement& placement, LeafPair& pair) {
     const Floats3 origin{Floats(second.origin[0]), Floats(second.origin[1]), Floats(second.origin[2])};
+    const float reach = placement.reach_a;
     std::size_t kept = 0;
     for (std::size_t at = 0; at < pair.count; at += kLanes) {
         const Ints code = load(pair.candidate + at);
         const Ints i = code & Ints(15), j{hn::ShiftRight<4>(code.raw)};
         const Floats3 corner[3] = {pick_corner(first, 0, i) - origin, pick_corner(first, 1, i) - origin, pick_corner(first, 2, i) - origin};
         const Floats3 other_corner[3] = {pick_corner(second, 0, j), pick_corner(second, 1, j), pick_corner(second, 2, j)};
-        const Verdicts verdicts = judge(corner, other_corner, placement);
+        const Verdicts verdicts = judge(corner, other_corner, Doubts(pick(first.size, i), pick(second.size, j), second.around_origin, reach > 0.0f), reach);
         const Mask there = first_lanes(static_cast<int>(pair.count - at < kLanes ? pair.count - at : kLanes));
         kept += compress_store(code + select(verdicts.certain, Ints(LeafPair::kCertain), Ints(0)), verdicts.near & there, pair.candidate + kept);
     }

@@ -113,6 +113,7 @@ bool place(const WideBvh& a, const WideBvh& b, const Pose& b_in_a, double reach,
         out.to_a[row][3] = static_cast<float>(shift[row]);
         out.to_b[row][3] = static_cast<float>(shift_back[row]);
     }
+    out.stretch = static_cast<float>(1.01 * ratio);
     out.set_reach(reach);
     out.margin_a = 0x1p-20f * static_cast<float>(size + largest(shift, shift));
     out.margin_b = 0x1p-20f * static_cast<float>(size / ratio + largest(shift_back, shift_back));
