@@ -81,6 +81,17 @@ private:
         }
     }
 
+    /// The children of a node in the frame of the other tree. Neighbours on the stack have a node in common.
+    HWY_INLINE void place_a(WideRef node) {
+        if (node == placed_a_) return;
+        placed_a_ = node;
+        place_boxes(a_.node(node).bound, placement_.to_b, placement_.margin_b + placement_.reach_b, a_in_b_);
+    }
+    HWY_INLINE void place_b(WideRef node) {
+        if (node == placed_b_) return;
+        placed_b_ = node;
+        place_boxes(b_.node(node).bound, placement_.to_a, placement_.margin_a + placement_.reach_a, b_in_a_);
+    }
     HWY_INLINE void describe_a(WideRef leaf) {
         if (leaf == described_a_) return;
         described_a_ = leaf;
@@ -111,10 +122,10 @@ private:
 
     HWY_INLINE void nodes(const PairEntry& here, LeafPairVisit visit) {
         const WideNode &first = a_.node(here.a), &second = b_.node(here.b);
-        place_boxes(second.bound, placement_.to_a, placement_.margin_a + placement_.reach_a, b_in_a_);
+        place_b(here.b);
         unsigned of_b = overlapping(b_in_a_, here.box_a) & children_of(second);
         if (of_b == 0) return;
-        place_boxes(first.bound, placement_.to_b, placement_.margin_b + placement_.reach_b, a_in_b_);
+        place_a(here.a);
         unsigned met[kWidth], of_a = 0;
         for (unsigned rest = of_b; rest != 0; rest &= rest - 1) {
             const auto j = static_cast<std::size_t>(std::countr_zero(rest));
@@ -135,7 +146,7 @@ private:
 
     HWY_INLINE void leaf_of_b(const PairEntry& here, LeafPairVisit visit) {
         const WideNode& first = a_.node(here.a);
-        place_boxes(first.bound, placement_.to_b, placement_.margin_b + placement_.reach_b, a_in_b_);
+        place_a(here.a);
         describe_b(here.b, here.box_b);
         const unsigned met = overlapping(first.bound, second_.around()) & overlapping(a_in_b_, here.box_b);
         prefetch_children(first, met);
@@ -144,7 +155,7 @@ private:
 
     HWY_INLINE void leaf_of_a(const PairEntry& here, LeafPairVisit visit) {
         const WideNode& second = b_.node(here.b);
-        place_boxes(second.bound, placement_.to_a, placement_.margin_a + placement_.reach_a, b_in_a_);
+        place_b(here.b);
         alignas(64) float depths[kWidth];
         const unsigned met = overlapping_deep(b_in_a_, here.box_a, children_of(second), depths);
         for (unsigned rest = met; rest != 0; rest &= rest - 1) prefetch(b_, second.child[std::countr_zero(rest)]);
@@ -185,7 +196,8 @@ private:
     std::vector<PairEntry>& stack_;
     alignas(64) Bounds a_in_b_, b_in_a_;
     Described first_, second_;
-    WideRef described_a_ = 0, described_b_ = 0;  // leaves are below zero
+    WideRef placed_a_ = -1, placed_b_ = -1;        // nodes are not below zero,
+    WideRef described_a_ = 0, described_b_ = 0;  // leaves are
     Bounds root_[2];
     LeafPair pair_;
     bool done_ = false;  ///< the visit wants no more
