@@ -258,9 +258,13 @@ TEST(MeshPairs, NearlyTouchWhereFloatsCannotTell) {
 TEST(MeshPairs, HoldWherePosesStretch) {
     Random random(20'261'124);
     const MeshData ball = scenes::bumpy(4);
+    const StaticBvh bvh = bvh_of(ball);
     for (const double length : {0.25, 0.9, 1.000'3, 1.001, 1.2, 3.0}) {
         Pose pose = random_pose(random, 0.5);
         pose.orientation *= length;
+        WidePlacement placement;
+        ASSERT_TRUE(place(bvh.wide(), bvh.wide(), pose, 0.0, placement));
+        EXPECT_EQ(placement.too_unlike, length != 1.000'3) << "the bounds on floats are those of turns";
         compare(ball, ball, pose, "length " + std::to_string(length));
     }
 }
