@@ -60,9 +60,9 @@ void for_each_pair(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a, b
 }
 
 /// Sorts `keys`, which all differ, by one pass into buckets and a look at neighbours: where keys are spread out, half the time of radix_sort().
-/// @return false where too many of them fall into one bucket; then they are left as they are.
+/// @return false where too many of them fall into the same buckets; then they are left as they are.
 bool spread_sort(std::vector<std::uint64_t>& keys, std::vector<std::uint64_t>& sorted) {
-    constexpr std::size_t kMostBuckets = 2048, kMostInBucket = 24;
+    constexpr std::size_t kMostBuckets = 2048, kMostSteps = 24;  // back, of a key, in the mean at worst
     const std::size_t n = keys.size();
     const auto [least, greatest] = std::minmax_element(keys.begin(), keys.end());
     const std::uint64_t start = *least;
@@ -71,12 +71,13 @@ bool spread_sort(std::vector<std::uint64_t>& keys, std::vector<std::uint64_t>& s
     std::array<std::uint32_t, kMostBuckets> place;
     std::fill_n(place.begin(), buckets, 0u);
     for (const std::uint64_t key : keys) ++place[(key - start) >> shift];
-    std::uint32_t before = 0, largest = 0;
+    std::uint32_t before = 0;
+    std::size_t steps = 0;
     for (std::size_t k = 0; k < buckets; ++k) {
-        largest = std::max(largest, place[k]);
+        steps += std::size_t{place[k]} * place[k];
         before += std::exchange(place[k], before);
     }
-    if (largest > kMostInBucket) return false;
+    if (steps > 2 * kMostSteps * n) return false;
     sorted.resize(n);
     for (const std::uint64_t key : keys) sorted[place[(key - start) >> shift]++] = key;
     for (std::size_t k = 1; k < n; ++k) {

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
+#include <utility>
 
 namespace carom {
 namespace {
@@ -87,23 +89,35 @@ class Batch {
 public:
     Batch(const PlacedShapes& placed, std::span<const NumberedPair> pairs) : placed_(placed), pairs_(pairs) {}
 
-    /// @param with_boxes  two boxes go to their own kernel.
-    void sort(std::size_t first, std::size_t count, bool with_boxes, Chunk& chunk) const noexcept {
+    /// Pairs that have been checked.
+    void sort(std::size_t first, std::size_t count, Chunk& chunk) const noexcept {
         chunk.box_count = chunk.core_count = 0;
+        for (std::size_t i = 0; i < count; ++i) add_cores(i, pairs_[first + i], chunk);
+    }
+    /// Pairs that have not, two boxes for their own kernel. Whether the poses of boxes are finite is left to that: it proves nothing of others.
+    /// @return whether all is well so far; what is not is left out.
+    [[nodiscard]] bool sort_and_check(std::size_t first, std::size_t count, Chunk& chunk) const noexcept {
+        chunk.box_count = chunk.core_count = 0;
+        const std::size_t shape_count = placed_.shapes.size();
+        bool fit = true;
         for (std::size_t i = 0; i < count; ++i) {
             const NumberedPair& p = pairs_[first + i];
-            const Shape &a = *placed_.shapes[p.a], &b = *placed_.shapes[p.b];
-            const detail::LanePlace place{&placed_.poses[p.a], &placed_.poses[p.b]};
-            const Box *const box_a = std::get_if<Box>(&a), *const box_b = std::get_if<Box>(&b);
-            if (with_boxes && box_a != nullptr && box_b != nullptr) {
+            const Shape *const a = p.a < shape_count ? placed_.shapes[p.a] : nullptr, *const b = p.b < shape_count ? placed_.shapes[p.b] : nullptr;
+            const Box *const box_a = std::get_if<Box>(a), *const box_b = std::get_if<Box>(b);
+            if (box_a != nullptr && box_b != nullptr) [[likely]] {
                 chunk.box_of[chunk.box_count] = static_cast<std::uint16_t>(i);
-                chunk.boxes[chunk.box_count++] = {place, &box_a->half_extents, &box_b->half_extents};
-                continue;
+                chunk.boxes[chunk.box_count++] = {{&placed_.poses[p.a], &placed_.poses[p.b]}, &box_a->half_extents, &box_b->half_extents};
+            } else if (plainly_fit(a) && plainly_fit(b) && has_finite_poses(i + first)) {
+                add_cores(i, p, chunk);
+            } else {
+                fit = fit && find_fault(placed_, p).what == nullptr;
             }
-            detail::LaneCores& cores = chunk.cores[chunk.core_count];
-            cores.place = place;
-            if (lane_core(a, cores.a) && lane_core(b, cores.b)) chunk.core_of[chunk.core_count++] = static_cast<std::uint16_t>(i);
         }
+        return fit;
+    }
+    [[nodiscard]] bool has_finite_poses(std::size_t i) const noexcept {
+        const NumberedPair& p = pairs_[i];
+        return is_finite(sum_of(placed_.poses[p.a]) + sum_of(placed_.poses[p.b])) || find_fault(placed_, p).what == nullptr;
     }
 
     [[nodiscard]] DistanceResult distance_of(std::size_t i, const DistanceSettings& settings, DistanceCache* cache) const noexcept {
@@ -116,6 +130,14 @@ public:
     }
 
 private:
+    void add_cores(std::size_t i, const NumberedPair& p, Chunk& chunk) const noexcept {
+        detail::LaneCores& cores = chunk.cores[chunk.core_count];
+        cores.place = {&placed_.poses[p.a], &placed_.poses[p.b]};
+        if (lane_core(*placed_.shapes[p.a], cores.a) && lane_core(*placed_.shapes[p.b], cores.b)) {
+            chunk.core_of[chunk.core_count++] = static_cast<std::uint16_t>(i);
+        }
+    }
+
     PlacedShapes placed_;
     std::span<const NumberedPair> pairs_;
 };
@@ -123,7 +145,7 @@ private:
 void find_distances(const Batch& batch, std::size_t first, std::span<DistanceResult> out, const DistanceSettings& settings) {
     Chunk& chunk = thread_chunk();
     std::array<detail::LaneResult, kChunk>& results = chunk.of_cores;
-    batch.sort(first, out.size(), false, chunk);
+    batch.sort(first, out.size(), chunk);
     detail::search_cores({chunk.cores.data(), chunk.core_count}, detail::LaneGoal::Distance, results.data());
     std::size_t next = 0;
     for (std::size_t i = 0; i < out.size(); ++i) {
@@ -140,19 +162,25 @@ void find_distances(const Batch& batch, std::size_t first, std::span<DistanceRes
     }
 }
 
-void find_verdicts(const Batch& batch, std::size_t first, std::span<Overlap> out) {
+// @return whether the pairs are fit to be asked about; where they are not, verdicts mean nothing.
+bool find_verdicts(const Batch& batch, std::size_t first, std::span<Overlap> out) {
     Chunk& chunk = thread_chunk();
     auto& of_boxes = chunk.of_boxes;
     auto& of_cores = chunk.of_cores;
-    batch.sort(first, out.size(), true, chunk);
+    if (!batch.sort_and_check(first, out.size(), chunk)) return false;
     detail::overlap_boxes({chunk.boxes.data(), chunk.box_count}, of_boxes.data());
-    detail::search_cores({chunk.cores.data(), chunk.core_count}, detail::LaneGoal::Verdict, of_cores.data());
-    std::ranges::fill(out, Overlap::Undecided);
-    for (std::size_t k = 0; k < chunk.box_count; ++k) out[chunk.box_of[k]] = of_boxes[k / kBundleWidth].of(k % kBundleWidth);
-    for (std::size_t k = 0; k < chunk.core_count; ++k) out[chunk.core_of[k]] = of_cores[k].verdict;
-    for (std::size_t i = 0; i < out.size(); ++i) {
-        if (out[i] == Overlap::Undecided) out[i] = batch.verdict_of(first + i);
+    if (chunk.box_count < out.size()) {
+        detail::search_cores({chunk.cores.data(), chunk.core_count}, detail::LaneGoal::Verdict, of_cores.data());
+        std::ranges::fill(out, Overlap::Undecided);
+        for (std::size_t k = 0; k < chunk.core_count; ++k) out[chunk.core_of[k]] = of_cores[k].verdict;
     }
+    for (std::size_t k = 0; k < chunk.box_count; ++k) out[chunk.box_of[k]] = of_boxes[k / kBundleWidth].of(k % kBundleWidth);
+    for (std::size_t i = 0; i < out.size(); ++i) {
+        if (out[i] != Overlap::Undecided) continue;
+        if (!batch.has_finite_poses(first + i)) return false;
+        out[i] = batch.verdict_of(first + i);
+    }
+    return true;
 }
 
 }  // namespace
@@ -178,15 +206,23 @@ void distance(const PlacedShapes& placed, std::span<const NumberedPair> pairs, E
 }
 
 void overlaps(const PlacedShapes& placed, std::span<const NumberedPair> pairs, Executor& executor, std::vector<Overlap>& out) {
-    const detail::PairFault fault = find_fault(placed, pairs);
+    std::atomic<bool> fit{placed.shapes.size() == placed.poses.size()};
+    // What is found is kept apart until all pairs have turned out to be fit; the call after this takes over the buffer that `out` has now.
+    thread_local std::vector<Overlap> spare;
+    std::vector<Overlap> found = std::move(spare);
+    if (fit) {
+        found.resize(pairs.size());
+        const Batch batch(placed, pairs);
+        executor.parallel_for(pairs.size(), kChunk, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; i += kChunk) {
+                if (!find_verdicts(batch, i, std::span(found).subspan(i, std::min(kChunk, end - i)))) fit.store(false, std::memory_order_relaxed);
+            }
+        });
+    }
+    const detail::PairFault fault = fit ? detail::PairFault{} : find_fault(placed, pairs);
+    if (fault.what == nullptr) out.swap(found);
+    spare = std::move(found);
     CAROM_REQUIRE(fault.what == nullptr, fault.code, fault.what);
-    out.resize(pairs.size());
-    const Batch batch(placed, pairs);
-    executor.parallel_for(pairs.size(), kChunk, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t i = begin; i < end; i += kChunk) {
-            find_verdicts(batch, i, std::span(out).subspan(i, std::min(kChunk, end - i)));
-        }
-    });
 }
 
 }  // namespace carom

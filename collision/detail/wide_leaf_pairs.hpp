@@ -1,6 +1,6 @@
 // Lanes over the boxes of nodes and the triangles of leaves, of two wide hierarchies: which boxes overlap, which triangles meet.
 //
-//   first.set(leaf_a, leaf_a.vertex, margin); second.set(leaf_b, placed, margin);
+//   first.set(leaf_a, margin); second.set_placed(leaf_b, placement, margin);
 //   list_partners(first, second, among, pair);          // by boxes
 //   judge_partners(first, second, placement, pair);     // by planes and crossings, packed: a pair of triangles in each lane
 //
@@ -49,6 +49,7 @@ struct BoxAt {
     HWY_INLINE BoxAt(const Bounds& of, std::size_t j) : lane(&of[0][0][j]) {}
     HWY_INLINE Floats lower(int k) const { return Floats(lane[k * kWidth]); }
     HWY_INLINE Floats upper(int k) const { return Floats(lane[(3 + k) * kWidth]); }
+    HWY_INLINE float edge(int k) const { return lane[(3 + k) * kWidth] - lane[k * kWidth]; }
 };
 
 /// Those of 16 boxes that overlap another.
@@ -80,34 +81,42 @@ HWY_INLINE unsigned overlapping_deep(const Bounds& boxes, BoxAt other, unsigned 
 /// Triangles of a leaf with what tells others apart from them.
 struct alignas(64) Described {
     Bounds box;                   ///< grown by the margin
-    float corner[3][3][kWidth];   ///< [corner][x, y, z]
+    float corner[3][3][kWidth];   ///< [corner][x, y, z], from `origin`
+    float origin[3];
+    float size[kWidth];           ///< of a box: the sum of its edges
+    float around_origin;          ///< no vertex is farther from it
     Bounds whole;                 ///< around all boxes, in lane 0, where it was asked for
-    float longest;                ///< edge of a box, margin included
     bool has_whole = false;
 
-    HWY_INLINE void set(const WideLeaf& leaf, const float (&vertex)[3][kWidth], float margin) {
-        Floats length(0.0f);
-        const Floats m(margin);
-        Table16 table[3];
-        for (int axis = 0; axis < 3; ++axis) {
-            for (int p = 0; p < kParts; ++p) table[axis].set(p, load(vertex[axis] + p * kLanes));
+    HWY_INLINE void set(const WideLeaf& leaf, float margin) {
+        for (float& o : origin) o = 0.0f;
+        around_origin = 0.0f;
+        set(leaf, leaf.vertex, margin);
+    }
+    /// A leaf of b in the frame of a, from the place of its first vertex.
+    /// @param own  its box in the frame of b.
+    HWY_INLINE void set_placed(const WideLeaf& leaf, BoxAt own, const WidePlacement& placement, float margin) {
+        const double first[3] = {double{leaf.vertex[0][0]}, double{leaf.vertex[1][0]}, double{leaf.vertex[2][0]}};
+        alignas(64) float vertex[3][kWidth];
+        Floats off[3][kParts];
+        for (int k = 0; k < 3; ++k) {
+            for (int p = 0; p < kParts; ++p) off[k][p] = load(leaf.vertex[k] + p * kLanes) - Floats(leaf.vertex[k][0]);
         }
-        for (int part = 0; part < kWidth; part += kLanes) {
-            const Picks picks[3] = {Picks(leaf.corner[0] + part), Picks(leaf.corner[1] + part), Picks(leaf.corner[2] + part)};
-            for (int axis = 0; axis < 3; ++axis) {
-                const Floats p[3] = {picks[0](table[axis]), picks[1](table[axis]), picks[2](table[axis])};
-                for (int k = 0; k < 3; ++k) store(p[k], corner[k][axis] + part);
-                const Floats lower = min(min(p[0], p[1]), p[2]) - m;
-                const Floats upper = max(max(p[0], p[1]), p[2]) + m;
-                length = max(length, upper - lower);
-                store(lower, box[0][axis] + part);
-                store(upper, box[1][axis] + part);
+        for (int row = 0; row < 3; ++row) {
+            const double (&map)[4] = placement.exact_to_a[row];
+            const double at = map[3] + (map[0] * first[0] + map[1] * first[1] + map[2] * first[2]);
+            origin[row] = static_cast<float>(at);
+            const Floats rest(static_cast<float>(at - double{origin[row]}));
+            const Floats factor[3] = {Floats(placement.to_a[row][0]), Floats(placement.to_a[row][1]), Floats(placement.to_a[row][2])};
+            for (int p = 0; p < kParts; ++p) {
+                store(rest + ((factor[0] * off[0][p] + factor[1] * off[1][p]) + factor[2] * off[2][p]), vertex[row] + p * kLanes);
             }
         }
-        longest = greatest_lane(length);
-        has_whole = false;
+        around_origin = placement.stretch * ((own.edge(0) + own.edge(1)) + own.edge(2));
+        set(leaf, vertex, margin);
     }
 
+    /// The box around them all.
     HWY_INLINE BoxAt around() {
         if (!has_whole) {
             has_whole = true;
@@ -123,29 +132,47 @@ struct alignas(64) Described {
         }
         return BoxAt(whole, 0);
     }
+
+private:
+    HWY_INLINE void set(const WideLeaf& leaf, const float (&vertex)[3][kWidth], float margin) {
+        Table16 table[3];
+        for (int axis = 0; axis < 3; ++axis) {
+            for (int p = 0; p < kParts; ++p) table[axis].set(p, load(vertex[axis] + p * kLanes));
+        }
+        for (int part = 0; part < kWidth; part += kLanes) {
+            const Picks picks[3] = {Picks(leaf.corner[0] + part), Picks(leaf.corner[1] + part), Picks(leaf.corner[2] + part)};
+            Floats edges(6.0f * margin);
+            for (int axis = 0; axis < 3; ++axis) {
+                const Floats p[3] = {picks[0](table[axis]), picks[1](table[axis]), picks[2](table[axis])};
+                for (int k = 0; k < 3; ++k) store(p[k], corner[k][axis] + part);
+                const Floats lower = min(min(p[0], p[1]), p[2]), upper = max(max(p[0], p[1]), p[2]);
+                edges += upper - lower;
+                store(lower + Floats(origin[axis] - margin), box[0][axis] + part);
+                store(upper + Floats(origin[axis] + margin), box[1][axis] + part);
+            }
+            store(edges, size + part);
+        }
+        has_whole = false;
+    }
 };
 
-/// How far from zero determinants of triangles of two leaves must be to have a sign: the bounds of wide_pairs.hpp.
-struct Doubts {
-    float a, b;    ///< of heights over planes of triangles of a, and of b
-    float across;  ///< of crossings
-    float reach;
+HWY_INLINE Floats sum_of_sizes(const Floats3& n) { return abs(n.x) + abs(n.y) + abs(n.z); }
 
-    HWY_INLINE Doubts(const Described& first, const Described& second, const WidePlacement& placement) : reach(placement.reach_a) {
+/// How far from zero the determinants of pairs of triangles must be to have a sign: the bounds of wide_pairs.hpp.
+struct Doubts {
+    Floats a, b;    ///< of heights over planes of triangles of a, and of b
+    Floats across;  ///< of crossings
+
+    /// @param l_a, l_b, around  L and N of wide_pairs.hpp.
+    HWY_INLINE Doubts(Floats l_a, Floats l_b, float around, bool has_reach) {
         constexpr float u = 0x1p-24f;
-        const float l_a = 1.7321f * first.longest, l_b = 1.7321f * second.longest;
-        const float w = 1.7321f * (first.longest + second.longest + 4.0f * placement.margin_a);
-        const float edge_a = u * l_a, edge_b = 2.0f * placement.corner_error + u * l_b, between = placement.corner_error + u * w;
-        const float times = reach > 0.0f ? 4.0f : 1.0f;
-        a = times * bound(l_a, edge_a, w, between);
-        b = times * bound(l_b, edge_b, w, between);
-        across = bound(w, between, l_a, edge_a);
-    }
-    /// Of a determinant of vectors of sizes e, e, g, wrong by de, de, dg in each component.
-    HWY_INLINE static float bound(float e, float de, float g, float dg) {
-        const float of_g = 3.4642f * (de * e) + 3.0f * (de * de) + 0x1p-20f * (e * e);
-        const float of_dg = 1.7321f * (e * e) + 6.0f * (e * de) + 6.0f * (de * de);
-        return 1.01f * (g * of_g + dg * of_dg);
+        const Floats sum = l_a + l_b;
+        const Floats d = Floats(30.3f * u) * (sum + Floats(around)), w = sum + d;
+        const Floats of_size = Floats(16.2f * u) * w, twice = d + d, beside = twice * w;
+        const Floats times(has_reach ? 4.0f : 1.0f), p_a = l_a + d, p_b = l_b + d;
+        a = (times * p_a) * (beside + (d + of_size) * p_a);
+        b = (times * p_b) * (beside + (d + of_size) * p_b);
+        across = w * (d * w + (twice + of_size) * l_a);
     }
 };
 
@@ -166,10 +193,9 @@ struct Verdicts {
     Mask certain;  ///< they meet
 };
 
-HWY_INLINE Floats greatest_sum(const Floats3& n) { return abs(n.x) + abs(n.y) + abs(n.z); }
-
 /// On pairs of triangles, one in each lane.
-HWY_INLINE Verdicts judge(const Floats3 (&corner)[3], const Floats3 (&other_corner)[3], const Doubts& doubts) {
+/// @param reach  in the frame of a.
+HWY_INLINE Verdicts judge(const Floats3 (&corner)[3], const Floats3 (&other_corner)[3], const Doubts& doubts, float reach) {
     const Floats3 normal = cross(corner[1] - corner[0], corner[2] - corner[0]);
     const Floats3 other_normal = cross(other_corner[1] - other_corner[0], other_corner[2] - other_corner[0]);
     Floats above[3], other_above[3];
@@ -177,38 +203,27 @@ HWY_INLINE Verdicts judge(const Floats3 (&corner)[3], const Floats3 (&other_corn
         above[k] = dot(other_normal, corner[k] - other_corner[0]);
         other_above[k] = dot(normal, other_corner[k] - corner[0]);
     }
-    Floats off_other(doubts.b), off_mine(doubts.a);
-    if (doubts.reach > 0.0f) {
-        off_other += Floats(doubts.reach) * greatest_sum(other_normal);
-        off_mine += Floats(doubts.reach) * greatest_sum(normal);
+    Floats off_other = doubts.b, off_mine = doubts.a;
+    if (reach > 0.0f) {
+        off_other += Floats(reach) * sum_of_sizes(other_normal);
+        off_mine += Floats(reach) * sum_of_sizes(normal);
     }
     const Mask near = (min(min(above[0], above[1]), above[2]) <= off_other) & (max(max(above[0], above[1]), above[2]) >= -off_other) &
                       (min(min(other_above[0], other_above[1]), other_above[2]) <= off_mine) &
                       (max(max(other_above[0], other_above[1]), other_above[2]) >= -off_mine);
     const Mask never = !first_lanes(kLanes);
-    if (doubts.reach > 0.0f || none(near)) return {near, never};
+    if (reach > 0.0f || none(near)) return {near, never};
 
     const Floats zero(0.0f);
     const Turned a = turned(corner, above[0] > zero, above[1] > zero, above[2] > zero);
     const Turned b = turned(other_corner, other_above[0] > zero, other_above[1] > zero, other_above[2] > zero);
     const Floats3 to_q = select(b.up, a.next, a.last) - a.lone, to_r = select(b.up, a.last, a.next) - a.lone;
     const Floats3 to_u = b.lone - a.lone, to_v = select(a.up, b.next, b.last) - a.lone, to_w = select(a.up, b.last, b.next) - a.lone;
-    const Floats first = dot(cross(to_q, to_u), to_v), second = dot(cross(to_r, to_w), to_u), across(doubts.across);
+    const Floats first = dot(cross(to_q, to_u), to_v), second = dot(cross(to_r, to_w), to_u), across = doubts.across;
     const Mask clear = (min(min(abs(above[0]), abs(above[1])), abs(above[2])) > off_other) &
                        (min(min(abs(other_above[0]), abs(other_above[1])), abs(other_above[2])) > off_mine);
     const Mask apart = clear & ((first > across) | (second > across));
     return {near & (!apart), near & clear & (first < -across) & (second < -across)};
-}
-
-/// The vertices of a leaf of b in the frame of a.
-HWY_INLINE void place_vertices(const WideLeaf& leaf, const float (&to)[3][4], float (&out)[3][kWidth]) {
-    for (int row = 0; row < 3; ++row) {
-        for (int part = 0; part < kWidth; part += kLanes) {
-            Floats sum(to[row][3]);
-            for (int k = 0; k < 3; ++k) sum += Floats(to[row][k]) * load(leaf.vertex[k] + part);
-            store(sum, out[row] + part);
-        }
-    }
 }
 
 /// One of 16 floats in each lane.
@@ -248,14 +263,15 @@ HWY_INLINE void list_partners(const Described& first, const Described& second, u
 
 /// Keeps of the pairs listed those that nothing parts.
 HWY_INLINE void judge_partners(const Described& first, const Described& second, const WidePlacement& placement, LeafPair& pair) {
-    const Doubts doubts(first, second, placement);
+    const Floats3 origin{Floats(second.origin[0]), Floats(second.origin[1]), Floats(second.origin[2])};
+    const float reach = placement.reach_a;
     std::size_t kept = 0;
     for (std::size_t at = 0; at < pair.count; at += kLanes) {
         const Ints code = load(pair.candidate + at);
         const Ints i = code & Ints(15), j{hn::ShiftRight<4>(code.raw)};
-        const Floats3 corner[3] = {pick_corner(first, 0, i), pick_corner(first, 1, i), pick_corner(first, 2, i)};
+        const Floats3 corner[3] = {pick_corner(first, 0, i) - origin, pick_corner(first, 1, i) - origin, pick_corner(first, 2, i) - origin};
         const Floats3 other_corner[3] = {pick_corner(second, 0, j), pick_corner(second, 1, j), pick_corner(second, 2, j)};
-        const Verdicts verdicts = judge(corner, other_corner, doubts);
+        const Verdicts verdicts = judge(corner, other_corner, Doubts(pick(first.size, i), pick(second.size, j), second.around_origin, reach > 0.0f), reach);
         const Mask there = first_lanes(static_cast<int>(pair.count - at < kLanes ? pair.count - at : kLanes));
         kept += compress_store(code + select(verdicts.certain, Ints(LeafPair::kCertain), Ints(0)), verdicts.near & there, pair.candidate + kept);
     }

@@ -50,22 +50,23 @@ public:
     }
 
     HWY_INLINE void run(LeafPairVisit visit) {
-        LeafPair pair;
-        while (!stack_.empty()) {
+        while (!stack_.empty() && !done_) {
             const PairEntry here = stack_.back();
             stack_.pop_back();
-            if (visited_ != nullptr) note(here);
-            if (!is_leaf(here.a)) {
-                if (is_leaf(here.b)) {
-                    leaf_of_b(here);
-                } else {
-                    nodes(here);
-                }
-            } else if (!is_leaf(here.b)) {
-                leaf_of_a(here);
-            } else if (find_partners(here, pair) && !visit(pair)) {
-                return;
+            if (is_leaf(here.a) && is_leaf(here.b)) {
+                leaves(here, visit);
+                continue;
             }
+            if (visited_ != nullptr) note(here);
+            if (is_leaf(here.a)) {
+                leaf_of_a(here, visit);
+            } else if (is_leaf(here.b)) {
+                leaf_of_b(here, visit);
+            } else {
+                nodes(here, visit);
+            }
+            if (kDeepestFirst && depth_ >= 0.0f) std::swap(stack_[deepest_], stack_.back());
+            depth_ = -1.0f;
         }
     }
 
@@ -80,84 +81,113 @@ private:
         }
     }
 
+    /// The children of a node in the frame of the other tree. Neighbours on the stack have a node in common.
+    HWY_INLINE void place_a(WideRef node) {
+        if (node == placed_a_) return;
+        placed_a_ = node;
+        place_boxes(a_.node(node).bound, placement_.to_b, placement_.margin_b + placement_.reach_b, a_in_b_);
+    }
+    HWY_INLINE void place_b(WideRef node) {
+        if (node == placed_b_) return;
+        placed_b_ = node;
+        place_boxes(b_.node(node).bound, placement_.to_a, placement_.margin_a + placement_.reach_a, b_in_a_);
+    }
     HWY_INLINE void describe_a(WideRef leaf) {
         if (leaf == described_a_) return;
         described_a_ = leaf;
-        first_.set(a_.leaf(leaf), a_.leaf(leaf).vertex, placement_.margin_a);
+        first_.set(a_.leaf(leaf), placement_.margin_a);
     }
-    HWY_INLINE void describe_b(WideRef leaf) {
+    HWY_INLINE void describe_b(WideRef leaf, BoxAt own) {
         if (leaf == described_b_) return;
         described_b_ = leaf;
-        alignas(64) float vertex[3][kWidth];
-        place_vertices(b_.leaf(leaf), placement_.to_a, vertex);
-        second_.set(b_.leaf(leaf), vertex, placement_.margin_a + placement_.reach_a);
+        second_.set_placed(b_.leaf(leaf), own, placement_, placement_.margin_a + placement_.reach_a);
     }
 
-    HWY_INLINE bool find_partners(const PairEntry& here, LeafPair& pair) {
-        describe_b(here.b);
-        pair.b = &b_.leaf(here.b);
-        const unsigned near = overlapping(second_.box, here.box_a) & ((1u << pair.b->triangle_count) - 1u);
+    HWY_INLINE bool find_partners(const PairEntry& here) {
+        describe_b(here.b, here.box_b);
+        pair_.b = &b_.leaf(here.b);
+        const unsigned near = overlapping(second_.box, here.box_a) & ((1u << pair_.b->triangle_count) - 1u);
         if (near == 0) return false;
         describe_a(here.a);
-        pair.a = &a_.leaf(here.a);
-        list_partners(first_, second_, near, pair);
-        if (pair.count == 0) return false;
-        judge_partners(first_, second_, placement_, pair);
-        return pair.count != 0;
+        pair_.a = &a_.leaf(here.a);
+        list_partners(first_, second_, near, pair_);
+        if (pair_.count == 0) return false;
+        judge_partners(first_, second_, placement_, pair_);
+        return pair_.count != 0;
+    }
+    HWY_NOINLINE void leaves(const PairEntry& here, LeafPairVisit visit) {
+        if (visited_ != nullptr) note(here);
+        if (find_partners(here)) done_ = !visit(pair_);
     }
 
-    HWY_INLINE void nodes(const PairEntry& here) {
+    HWY_INLINE void nodes(const PairEntry& here, LeafPairVisit visit) {
         const WideNode &first = a_.node(here.a), &second = b_.node(here.b);
-        place_boxes(second.bound, placement_.to_a, placement_.margin_a + placement_.reach_a, b_in_a_);
-        unsigned near = overlapping(b_in_a_, here.box_a) & children_of(second);
-        if (near == 0) return;
-        place_boxes(first.bound, placement_.to_b, placement_.margin_b + placement_.reach_b, a_in_b_);
-        for (; near != 0; near &= near - 1) {
-            const auto j = static_cast<std::size_t>(std::countr_zero(near));
-            const BoxAt own(second.bound, j), placed(b_in_a_, j);
-            prefetch(b_, second.child[j]);
-            push_a(first, placed, overlapping(a_in_b_, own), second.child[j], own);
-        }
-        end();
-    }
-
-    HWY_INLINE void leaf_of_b(const PairEntry& here) {
-        const WideNode& first = a_.node(here.a);
-        describe_b(here.b);
-        place_boxes(first.bound, placement_.to_b, placement_.margin_b + placement_.reach_b, a_in_b_);
-        push_a(first, second_.around(), overlapping(a_in_b_, here.box_b), here.b, here.box_b);
-        end();
-    }
-
-    HWY_INLINE void leaf_of_a(const PairEntry& here) {
-        const WideNode& second = b_.node(here.b);
-        place_boxes(second.bound, placement_.to_a, placement_.margin_a + placement_.reach_a, b_in_a_);
-        alignas(64) float depths[kWidth];
-        for (unsigned rest = overlapping_deep(b_in_a_, here.box_a, children_of(second), depths); rest != 0; rest &= rest - 1) {
+        place_b(here.b);
+        unsigned of_b = overlapping(b_in_a_, here.box_a) & children_of(second);
+        if (of_b == 0) return;
+        place_a(here.a);
+        unsigned met[kWidth], of_a = 0;
+        for (unsigned rest = of_b; rest != 0; rest &= rest - 1) {
             const auto j = static_cast<std::size_t>(std::countr_zero(rest));
+            met[j] = overlapping(a_in_b_, BoxAt(second.bound, j)) & overlapping(first.bound, BoxAt(b_in_a_, j));
+            if (met[j] == 0) {
+                of_b ^= 1u << j;
+                continue;
+            }
+            of_a |= met[j];
             prefetch(b_, second.child[j]);
-            push({here.a, second.child[j], here.box_a, BoxAt(second.bound, j)}, depths[j]);
         }
-        end();
+        prefetch_children(first, of_a);
+        for (; of_b != 0 && !done_; of_b &= of_b - 1) {
+            const auto j = static_cast<std::size_t>(std::countr_zero(of_b));
+            go_on(first, BoxAt(b_in_a_, j), met[j], second.child[j], BoxAt(second.bound, j), visit);
+        }
     }
 
-    /// The children of a in `among` that overlap a box of b.
-    HWY_INLINE void push_a(const WideNode& first, BoxAt placed, unsigned among, WideRef b, BoxAt box_b) {
+    HWY_INLINE void leaf_of_b(const PairEntry& here, LeafPairVisit visit) {
+        const WideNode& first = a_.node(here.a);
+        place_a(here.a);
+        describe_b(here.b, here.box_b);
+        const unsigned met = overlapping(first.bound, second_.around()) & overlapping(a_in_b_, here.box_b);
+        prefetch_children(first, met);
+        go_on(first, second_.around(), met, here.b, here.box_b, visit);
+    }
+
+    HWY_INLINE void leaf_of_a(const PairEntry& here, LeafPairVisit visit) {
+        const WideNode& second = b_.node(here.b);
+        place_b(here.b);
         alignas(64) float depths[kWidth];
-        unsigned met = kDeepestFirst ? overlapping_deep(first.bound, placed, among, depths) : overlapping(first.bound, placed) & among;
-        for (; met != 0; met &= met - 1) {
-            const auto i = static_cast<std::size_t>(std::countr_zero(met));
-            prefetch(a_, first.child[i]);
-            push({first.child[i], b, BoxAt(first.bound, i), box_b}, kDeepestFirst ? depths[i] : 0.0f);
+        const unsigned met = overlapping_deep(b_in_a_, here.box_a, children_of(second), depths);
+        for (unsigned rest = met; rest != 0; rest &= rest - 1) prefetch(b_, second.child[std::countr_zero(rest)]);
+        for (unsigned rest = met; rest != 0 && !done_; rest &= rest - 1) {
+            const auto j = static_cast<std::size_t>(std::countr_zero(rest));
+            offer({here.a, second.child[j], here.box_a, BoxAt(second.bound, j)}, depths[j], visit);
         }
     }
-    HWY_INLINE void push(const PairEntry& entry, float depth) {
+
+    HWY_INLINE void prefetch_children(const WideNode& first, unsigned of_a) {
+        for (; of_a != 0; of_a &= of_a - 1) prefetch(a_, first.child[std::countr_zero(of_a)]);
+    }
+
+    /// With the children of a in `met`, which overlap a box of b: at `placed` in the frame of a.
+    HWY_INLINE void go_on(const WideNode& first, BoxAt placed, unsigned met, WideRef b, BoxAt box_b, LeafPairVisit visit) {
+        alignas(64) float depths[kWidth];
+        if (kDeepestFirst) {
+            overlapping_deep(first.bound, placed, met, depths);
+        }
+        for (; met != 0 && !done_; met &= met - 1) {
+            const auto i = static_cast<std::size_t>(std::countr_zero(met));
+            offer({first.child[i], b, BoxAt(first.bound, i), box_b}, kDeepestFirst ? depths[i] : 0.0f, visit);
+        }
+    }
+    /// To be looked at: two leaves at once, unless the deepest are to come first.
+    HWY_INLINE void offer(const PairEntry& entry, float depth, LeafPairVisit visit) {
+        if (!kDeepestFirst && is_leaf(entry.a) && is_leaf(entry.b)) {
+            leaves(entry, visit);
+            return;
+        }
         if (kDeepestFirst && depth > depth_) depth_ = depth, deepest_ = stack_.size();
         stack_.push_back(entry);
-    }
-    HWY_INLINE void end() {
-        if (kDeepestFirst && depth_ >= 0.0f) std::swap(stack_[deepest_], stack_.back());
-        depth_ = -1.0f;
     }
 
     const WideBvh &a_, &b_;
@@ -166,8 +196,11 @@ private:
     std::vector<PairEntry>& stack_;
     alignas(64) Bounds a_in_b_, b_in_a_;
     Described first_, second_;
-    WideRef described_a_ = 0, described_b_ = 0;  // leaves are below zero
+    WideRef placed_a_ = -1, placed_b_ = -1;        // nodes are not below zero,
+    WideRef described_a_ = 0, described_b_ = 0;  // leaves are
     Bounds root_[2];
+    LeafPair pair_;
+    bool done_ = false;  ///< the visit wants no more
     std::size_t deepest_ = 0;
     float depth_ = -1.0f;  ///< of the deepest pair of this step
 };

@@ -2,6 +2,7 @@
 #include <carom/collision/detail/wide_pairs.hpp>
 
 #include <glm/common.hpp>
+#include <glm/gtc/quaternion.hpp>
 #include <glm/matrix.hpp>
 #include <glm/vector_relational.hpp>
 
@@ -99,23 +100,20 @@ bool place(const WideBvh& a, const WideBvh& b, const Pose& b_in_a, double reach,
     };
     const double of_a = largest(dvec3{a.lower}, dvec3{a.upper}), of_b = ratio * largest(dvec3{b.lower}, dvec3{b.upper});
     const double size = std::max({of_a, of_b, out.units * reach});
-    out.too_unlike = !(of_a > 0x1p-40 * size && of_b > 0x1p-40 * size && size < 0x1p30 && size > 0x1p-30);
+    const bool turns = std::abs(glm::dot(b_in_a.orientation, b_in_a.orientation) - 1.0) < 1e-3;
+    out.too_unlike = !(of_a > 0x1p-40 * size && of_b > 0x1p-40 * size && size < 0x1p30 && size > 0x1p-30 && turns);
     if (out.too_unlike) return true;
     for (int row = 0; row < 3; ++row) {
         for (int k = 0; k < 3; ++k) {
-            out.to_a[row][k] = static_cast<float>(ratio * turn[k][row]);
+            out.exact_to_a[row][k] = ratio * turn[k][row];
+            out.to_a[row][k] = static_cast<float>(out.exact_to_a[row][k]);
             out.to_b[row][k] = static_cast<float>(back[k][row] / ratio);
         }
+        out.exact_to_a[row][3] = shift[row];
         out.to_a[row][3] = static_cast<float>(shift[row]);
         out.to_b[row][3] = static_cast<float>(shift_back[row]);
     }
-    const dvec3 far_b = glm::max(glm::abs(dvec3{b.lower}), glm::abs(dvec3{b.upper}));
-    double widest = 0.0;
-    for (int row = 0; row < 3; ++row) {
-        const dvec3 products = ratio * glm::abs(dvec3{turn[0][row], turn[1][row], turn[2][row]}) * far_b;
-        widest = std::max(widest, products.x + products.y + products.z + std::abs(shift[row]));
-    }
-    out.corner_error = static_cast<float>(6.01 * 0x1p-24 * widest);
+    out.stretch = static_cast<float>(1.01 * ratio);
     out.set_reach(reach);
     out.margin_a = 0x1p-20f * static_cast<float>(size + largest(shift, shift));
     out.margin_b = 0x1p-20f * static_cast<float>(size / ratio + largest(shift_back, shift_back));

@@ -9,6 +9,10 @@
 #include <carom/narrowphase/detail/pair_lanes.hpp>
 #include <carom/narrowphase/detail/place_lanes.hpp>
 
+#include <hwy/cache_control.h>
+
+#include <algorithm>
+
 HWY_BEFORE_NAMESPACE();
 namespace carom::detail::HWY_NAMESPACE {
 namespace {
@@ -72,6 +76,14 @@ HWY_INLINE void write_half(const vec3* half, float* row) {
 #endif
 }
 
+// Poses are read once, in the order of the pairs, which need not be that of memory.
+HWY_INLINE void fetch(const LanePlace& place) {
+    for (const Pose* const pose : {place.a, place.b}) {
+        hwy::Prefetch(pose);
+        hwy::Prefetch(&pose->orientation.w);
+    }
+}
+
 // Pairs from `first`, as many as there are lanes; beyond the last the first stands in.
 HWY_INLINE LaneVerdicts judge_pairs(std::span<const LaneBoxes> pairs, std::size_t first) {
     constexpr int kRows = kLanes < 4 ? 4 : kLanes;
@@ -96,6 +108,7 @@ HWY_INLINE LaneVerdicts judge_pairs(std::span<const LaneBoxes> pairs, std::size_
 
 void OverlapBoxes(std::span<const LaneBoxes> pairs, LaneVerdicts* verdicts) {
     for (std::size_t first = 0; first < pairs.size(); first += kBundleWidth) {
+        for (std::size_t next = first + kBundleWidth; next < std::min(first + 2 * kBundleWidth, pairs.size()); ++next) fetch(pairs[next].place);
         LaneVerdicts& all = verdicts[first / kBundleWidth] = {};
         for (int lane = 0; lane < kBundleWidth; lane += kLanes) {
             const LaneVerdicts v = judge_pairs(pairs, first + static_cast<std::size_t>(lane));

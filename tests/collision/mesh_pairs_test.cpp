@@ -216,6 +216,59 @@ TEST(MeshPairs, TouchWhereFloatsRound) {
     }
 }
 
+TEST(MeshPairs, NearlyTouchWhereFloatsCannotTell) {
+    // A corner of b lies on a's triangle, or off it by no more than what floats round, in any pose; other triangles make the leaves wide.
+    Random random(20'261'123);
+    const auto in = [&](double r) { return dvec3{random.range(-r, r), random.range(-r, r), random.range(-r, r)}; };
+    std::size_t meeting = 0;
+    const std::vector<int> widths = available_simd_widths();
+    constexpr int kPoses = 3000;
+    for (int n = 0; n < kPoses; ++n) {
+        set_simd_width(widths[static_cast<std::size_t>(n) % widths.size()]);
+        const Pose pose = random_pose(random, 2.0);
+        const double size = n % 2 == 0 ? 1.0 : 0.01;
+        const dvec3 middle = in(1.0);
+        dvec3 x[3], y[3];
+        for (dvec3& p : x) p = middle + in(size);
+        const double s = random.range(0.1, 0.4), t = random.range(0.1, 0.4);
+        y[0] = x[0] + s * (x[1] - x[0]) + t * (x[2] - x[0]);
+        const dvec3 up = glm::cross(x[1] - x[0], x[2] - x[0]);
+        for (dvec3* p : {&y[1], &y[2]}) {
+            *p = y[0] + in(size);
+            if (glm::dot(up, *p - y[0]) < 0.0) *p = 2.0 * y[0] - *p;
+        }
+        MeshData a, b;
+        for (const dvec3& p : x) a.vertices.push_back(vec3(p));
+        for (const dvec3& p : y) b.vertices.push_back(vec3(inverse_transform_point(pose, p)));
+        a.triangles = b.triangles = {{0, 1, 2}};
+        if (n % 3 == 0) {
+            for (MeshData* mesh : {&a, &b}) {
+                const vec3 far = mesh->vertices[0] + vec3(20.0 * in(size));
+                for (const vec3& p : {far, far + vec3(in(size)), far + vec3(in(size))}) mesh->vertices.push_back(p);
+                mesh->triangles.push_back({3, 4, 5});
+            }
+        }
+        meeting += compare(a, b, pose, "nearly " + std::to_string(n)) > 0 ? 1 : 0;
+    }
+    set_simd_width(0);
+    EXPECT_GT(meeting, kPoses / 4);
+    EXPECT_LT(meeting, 3 * kPoses / 4);
+}
+
+TEST(MeshPairs, HoldWherePosesStretch) {
+    Random random(20'261'124);
+    const MeshData ball = scenes::bumpy(4);
+    const StaticBvh bvh = bvh_of(ball);
+    for (const double length : {0.25, 0.9, 1.000'3, 1.001, 1.2, 3.0}) {
+        Pose pose = random_pose(random, 0.5);
+        pose.orientation *= length;
+        WidePlacement placement;
+        ASSERT_TRUE(place(bvh.wide(), bvh.wide(), pose, 0.0, placement));
+        EXPECT_EQ(placement.too_unlike, length != 1.000'3) << "the bounds on floats are those of turns";
+        compare(ball, ball, pose, "length " + std::to_string(length));
+    }
+}
+
 TEST(MeshPairs, HoldAtAnySizeAndFarFromTheOrigin) {
     Random random(20'260'904);
     const MeshData ball = scenes::bumpy(4);

@@ -343,4 +343,32 @@ TEST(OverlapMisuse, LeavesTheResultsAlone) {
 }
 
 }  // namespace
+TEST(OverlapMisuse, SeesEveryNumberOfABoxesPose) {
+    // Lanes judge boxes before anyone has asked whether their poses are finite.
+    const Shape box = Box{};
+    constexpr std::size_t kPairs = 40;
+    const std::vector<const Shape*> shapes(2 * kPairs, &box);
+    std::vector<NumberedPair> pairs;
+    for (std::uint32_t i = 0; i < kPairs; ++i) pairs.push_back({2 * i, 2 * i + 1, 0});
+    SerialExecutor executor;
+    std::vector<Overlap> verdicts{Overlap::Apart};
+    constexpr double kInfinity = std::numeric_limits<double>::infinity();
+    for (const double bad : {std::nan(""), kInfinity, -kInfinity}) {
+        for (int k = 0; k < 7; ++k) {
+            for (int who = 1; who < 4; ++who) {  // the first box, the second, or both
+                std::vector<Pose> poses(2 * kPairs);
+                for (std::size_t side = 0; side < 2; ++side) {
+                    if ((who >> side & 1) == 0) continue;
+                    Pose& pose = poses[2 * 23 + side];
+                    double* const numbers[] = {&pose.position.x,    &pose.position.y,    &pose.position.z,   &pose.orientation.x,
+                                               &pose.orientation.y, &pose.orientation.z, &pose.orientation.w};
+                    *numbers[k] = bad;
+                }
+                EXPECT_THROW(overlaps({shapes, poses}, pairs, executor, verdicts), MisuseError) << bad << ' ' << k << ' ' << who;
+                EXPECT_EQ(verdicts, std::vector<Overlap>{Overlap::Apart});
+            }
+        }
+    }
+}
+
 }  // namespace carom
