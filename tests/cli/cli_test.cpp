@@ -198,7 +198,7 @@ TEST(Cli, AReportHasEveryKey) {
         EXPECT_TRUE(json.at("build").at(key).is_string()) << key;
     }
     EXPECT_GE(json.at("build").at("simd_width"), 1);
-    ASSERT_EQ(json.at("plan").at("stages").size(), 16u);
+    ASSERT_EQ(json.at("plan").at("stages").size(), 17u);
     for (const Json& stage : json.at("plan").at("stages")) {
         EXPECT_TRUE(stage.at("stage").is_string() && stage.at("run").is_boolean());
         EXPECT_NE(stage.at("reason"), "");
@@ -213,7 +213,7 @@ TEST(Cli, AReportHasEveryKey) {
     for (const auto& [stage, ms] : time.at("by_stage").items()) {
         sum += ms.get<double>();
     }
-    EXPECT_EQ(time.at("by_stage").size(), 16u);
+    EXPECT_EQ(time.at("by_stage").size(), 17u);
     EXPECT_GT(sum, 0.0);
     EXPECT_LE(sum, time.at("total").get<double>() * (1 + 1e-9));
     const Json& error = json.at("error");
@@ -243,6 +243,15 @@ TEST(Cli, WhatDoesNotApplyIsNull) {
     EXPECT_TRUE(spin.at("error").at("peak_penetration").is_null());
     const Json walls = report({"run", "wall_fast", "--steps", "1"});
     EXPECT_TRUE(walls.at("error").at("tunnelled").is_number());
+}
+
+TEST(Cli, FastBodiesTunnelOnlyWhereTheyAreNotFollowed) {
+    const Json followed = report({"run", "wall_fast"}), discrete = report({"run", "wall_fast", "--no-continuous"});
+    EXPECT_EQ(followed.at("error").at("tunnelled"), 0);
+    EXPECT_GE(followed.at("continuous").at("impacts"), 200);
+    EXPECT_EQ(followed.at("continuous").at("stopped"), 0);
+    EXPECT_GT(discrete.at("error").at("tunnelled"), 150);
+    EXPECT_EQ(discrete.at("continuous").at("followed"), 0);
 }
 
 TEST(Cli, TheSameRunHasTheSameHash) {

@@ -301,6 +301,11 @@ TEST_F(ReadScene, ReadsSleepAndResistance) {
     EXPECT_EQ(def.rolling_rule, CombineRule::Average);
     EXPECT_TRUE(read_scene(kExamples + "crates.json", {.world = {.sleep = {.enabled = true}}})->world.settings().sleep.enabled);
 
+    EXPECT_FALSE(read(R"({"continuous": false, "bodies": []})")->world.settings().continuous.enabled);
+    expect_error(read(R"({"continuous": 1, "bodies": []})"), ErrorCode::WrongType, ":1: continuous");
+    EXPECT_EQ(read_body(R"("continuity": "always", )" + shape)->world.continuity(run->world.bodies()[0]), Continuity::Always);
+    expect_error(read_body(R"("continuity": "often", )" + shape), ErrorCode::UnknownName, ":2: bodies[0].continuity");
+    expect_error(read_body(R"("type": "static", "continuity": "never", )" + shape), ErrorCode::InvalidArgument, ":2: bodies[0].continuity");
     EXPECT_TRUE(read(R"({"sleep": true, "bodies": []})")->world.settings().sleep.enabled);
     expect_error(read(R"({"sleep": "deep", "bodies": []})"), ErrorCode::WrongType, ":1: sleep");
     expect_error(read_body(R"("can_sleep": 1, )" + shape), ErrorCode::WrongType, ":2: bodies[0].can_sleep");
