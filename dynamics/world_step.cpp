@@ -139,8 +139,8 @@ void World::Impl::find_contacts(dynamics::Step& step, const dynamics::Motion& mo
                    : collide(placed, candidates, executor(), collide_scratch, found);
         step.report.undecided = counts.undecided;
         step.report.reused = counts.reused;
-        dynamics::link_manifolds(contacts, [&](std::uint32_t i) { return dynamics::contact_pair(proxies, candidates[i]); });
-        dynamics::carry_impulses(contacts, previous, impulse_scale(motion.dt));
+        dynamics::link_manifolds(contacts, [&](std::uint32_t i) { return dynamics::contact_pair(proxies, candidates[i]); }, executor());
+        dynamics::carry_impulses(contacts, previous, impulse_scale(motion.dt), executor());
     });
 }
 

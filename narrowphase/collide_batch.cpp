@@ -24,7 +24,7 @@ constexpr unsigned char kNoShape = 255;
 constexpr std::uint16_t kReused = kKinds;  // in place of a kind
 
 struct Chunk {
-    std::vector<Manifold> manifolds;
+    detail::ManifoldList manifolds;
 };
 
 // Where the manifolds of a pair are that was run: in a chunk.
@@ -125,10 +125,18 @@ struct CollideBatch {
         if (placed.shapes.size() != placed.poses.size()) return {"collide: shapes and poses differ in number"};
         if (!look_at_shapes()) return {"collide: a pose is not finite", ErrorCode::NotFinite};
         data.kinds.resize(pairs.size());
-        for (std::size_t i = 0; i < pairs.size(); ++i) {
+        std::atomic<bool> good{true};
+        executor.parallel_for(pairs.size(), 1024, [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) {
+                if (look_at_pair(i).what == nullptr) continue;
+                good.store(false, std::memory_order_relaxed);
+                return;
+            }
+        });
+        if (good.load()) return {};
+        for (std::size_t i = 0;; ++i) {  // the first one is named
             if (const detail::PairFault fault = look_at_pair(i); fault.what != nullptr) return fault;
         }
-        return {};
     }
 
     // Marks the pairs that need not be looked at.
@@ -142,14 +150,28 @@ struct CollideBatch {
         }
     }
 
+    // Calls `with(kind, begin, end)` for neighbouring pairs of one kind: often many.
+    template <class With>
+    void for_runs(const With& with) const {
+        for (std::size_t begin = 0, end = 0; begin < data.kinds.size(); begin = end) {
+            const std::uint16_t kind = data.kinds[begin];
+            for (end = begin + 1; end < data.kinds.size() && data.kinds[end] == kind; ++end) {
+            }
+            with(std::size_t{kind}, begin, end);
+        }
+    }
+
     // Counting sort, stable: neighbours in the order run the same kernel. @return how many pairs are to be run.
     std::size_t sort_by_kernel() {
         std::array<std::uint32_t, kKinds + 2> starts{};
-        for (const std::uint16_t kind : data.kinds) ++starts[kind + 1u];
+        for_runs([&](std::size_t kind, std::size_t begin, std::size_t end) { starts[kind + 1] += static_cast<std::uint32_t>(end - begin); });
         for (std::size_t k = 0; k <= kKinds; ++k) starts[k + 1] += starts[k];
         const std::size_t count = starts[kReused];
         data.order.resize(pairs.size());
-        for (std::size_t i = 0; i < pairs.size(); ++i) data.order[starts[data.kinds[i]]++] = static_cast<std::uint32_t>(i);
+        for_runs([&](std::size_t kind, std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) data.order[starts[kind] + (i - begin)] = static_cast<std::uint32_t>(i);
+            starts[kind] += static_cast<std::uint32_t>(end - begin);
+        });
         data.order.resize(count);
         return count;
     }

@@ -5,6 +5,7 @@
 
 #include <carom/core/lanes.hpp>
 #include <carom/dynamics/detail/body_kernels.hpp>
+#include <carom/dynamics/detail/body_rows.hpp>
 
 #include <cstddef>
 
@@ -48,16 +49,13 @@ void Advance(SolverBodies& all, std::size_t begin, std::size_t end, float step) 
     for (std::size_t first = begin; first < end; first += static_cast<std::size_t>(kLanes)) {
         alignas(64) std::int32_t rows[kLanes];
         list_rows(first, end, rows);
-        Floats vx, vy, vz, wx, wy, wz, sx, sy, sz, qx, qy, qz, qw, unused;
-        gather_rows(bodies, rows, kBodyStride, 0, vx, vy, vz, unused);
-        gather_rows(bodies, rows, kBodyStride, 4, wx, wy, wz, unused);
-        gather_rows(bodies, rows, kBodyStride, 8, sx, sy, sz, unused);
-        gather_rows(bodies, rows, kBodyStride, 12, qx, qy, qz, qw);
-        const Floats x = half * wx, y = half * wy, z = half * wz;
+        const TwoRows motion = gather_two_rows(bodies, rows, kBodyStride, 0), place = gather_two_rows(bodies, rows, kBodyStride, 8);
+        const Floats &qx = place.e, &qy = place.f, &qz = place.g, &qw = place.h;
+        const Floats x = half * motion.e, y = half * motion.f, z = half * motion.g;
         const Floats nx = qx + ((x * qw + y * qz) - z * qy), ny = qy + ((y * qw + z * qx) - x * qz);
         const Floats nz = qz + ((z * qw + x * qy) - y * qx), nw = qw - ((x * qx + y * qy) + z * qz);
         const Floats scale = Floats(1.0f) / sqrt(((nx * nx + ny * ny) + nz * nz) + nw * nw);
-        scatter_rows(bodies, rows, kBodyStride, 8, sx + h * vx, sy + h * vy, sz + h * vz, Floats(0.0f));
+        scatter_rows(bodies, rows, kBodyStride, 8, place.a + h * motion.a, place.b + h * motion.b, place.c + h * motion.c, Floats(0.0f));
         scatter_rows(bodies, rows, kBodyStride, 12, scale * nx, scale * ny, scale * nz, scale * nw);
     }
 }

@@ -60,9 +60,9 @@ inline constexpr const char* kTooLong = "dt is so long that positions would leav
 
 /// Whether a step of `dt` can take this state on.
 [[nodiscard]] inline bool is_usable(const BodyState& s, double dt) noexcept {
-    const auto within = [](const dvec3& v, double most) { return glm::dot(v, v) <= most * most; };
-    return is_finite(s) && within(s.pose.position, kMostDistance) && within(s.velocity, kMostSpeed) && within(s.spin, kMostSpeed) &&
-           within(s.spin * dt, kMostTurn);
+    const auto within = [](const dvec3& v, double most) { return glm::dot(v, v) <= most * most; };  // so it is finite
+    return carom::is_finite(s.pose.orientation) && within(s.pose.position, kMostDistance) && within(s.velocity, kMostSpeed) &&
+           within(s.spin, kMostSpeed) && within(s.spin * dt, kMostTurn);
 }
 
 }  // namespace carom::dynamics

@@ -51,12 +51,11 @@ struct Displacement {
 
 CAROM_PASS_INLINE Displacement read_displacement(const SolverBodies& all, const std::int32_t* rows, Floats turns, const Basis& basis) {
     const float* body = reinterpret_cast<const float*>(all.bodies.data());
-    Floats sx, sy, sz, tx, ty, tz, w, unused;
-    gather_rows(body, rows, kBodyStride, 8, sx, sy, sz, unused);
-    gather_rows(body, rows, kBodyStride, 12, tx, ty, tz, w);
-    const Floats3 q = to_frame(basis, Floats3{tx, ty, tz});
+    const TwoRows r = gather_two_rows(body, rows, kBodyStride, 8);
+    const Floats3 q = to_frame(basis, Floats3{r.e, r.f, r.g});
+    const Floats w = r.h;
     const Floats two = broadcast(2.0f) * turns;
-    return {dot(Floats3{sx, sy, sz}, basis.n), two * Floats3{-(q.y * q.y + q.z * q.z), q.x * q.y - w * q.z, q.x * q.z + w * q.y}};
+    return {dot(Floats3{r.a, r.b, r.c}, basis.n), two * Floats3{-(q.y * q.y + q.z * q.z), q.x * q.y - w * q.z, q.x * q.z + w * q.y}};
 }
 
 HWY_INLINE Displacement no_displacement() {

@@ -8,6 +8,7 @@
 #endif
 
 #include <carom/core/lanes.hpp>
+#include <carom/dynamics/detail/body_rows.hpp>
 #include <carom/dynamics/detail/contact_bundle.hpp>
 
 // The passes are one piece of code each, so that the lanes stay in registers. With the sanitizers' checks in it, such a piece would keep
@@ -94,11 +95,8 @@ struct Motion {
 
 CAROM_PASS_INLINE Motion read_motion(const SolverBodies& all, const std::int32_t* rows) {
     const float* body = reinterpret_cast<const float*>(all.bodies.data());
-    // GCC 12 compiles implicit constructors of aggregates for the baseline target: fill them from locals.
-    Floats vx, vy, vz, wx, wy, wz, unused;
-    gather_rows(body, rows, kBodyStride, 0, vx, vy, vz, unused);
-    gather_rows(body, rows, kBodyStride, 4, wx, wy, wz, unused);
-    return {{vx, vy, vz}, {wx, wy, wz}};
+    const TwoRows r = gather_two_rows(body, rows, kBodyStride, 0);
+    return {{r.a, r.b, r.c}, {r.e, r.f, r.g}};
 }
 
 CAROM_PASS_INLINE void add_motion(SolverBodies& all, const std::int32_t* rows, const Motion& m) {

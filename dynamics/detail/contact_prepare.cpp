@@ -44,15 +44,13 @@ struct Masses {
 /// @return the inverse inertia in the frame; the bundle has it too from now on.
 CAROM_PASS_INLINE Symmetric turn_mass(const SolverBodies& all, const std::int32_t* rows, const Basis& basis, dynamics::FrameMass& to, int lane) {
     const auto* const mass = reinterpret_cast<const float*>(all.masses.data());
-    Floats xx, yy, zz, xy, xz, yz, inverse_mass, unused;
-    gather_rows(mass, rows, kMassStride, 0, xx, yy, zz, inverse_mass);
-    gather_rows(mass, rows, kMassStride, 4, xy, xz, yz, unused);
-    const Symmetric world{{xx, yy, zz}, xy, xz, yz};
+    const TwoRows r = gather_two_rows(mass, rows, kMassStride, 0);  // as SolverMass has them
+    const Symmetric world{{r.a, r.b, r.c}, r.e, r.f, r.g};
     const Floats3 n = world * basis.n, t1 = world * basis.t1, t2 = world * basis.t2;
     const Symmetric turned{{dot(basis.n, n), dot(basis.t1, t1), dot(basis.t2, t2)}, dot(basis.n, t1), dot(basis.n, t2), dot(basis.t1, t2)};
     put3(to.diagonal, lane, turned.diagonal);
     put(to.n1, lane, turned.xy), put(to.n2, lane, turned.xz), put(to.t12, lane, turned.yz);
-    put(to.inverse_mass, lane, inverse_mass);
+    put(to.inverse_mass, lane, r.d);
     return turned;
 }
 

@@ -15,11 +15,11 @@ const PointImpulse* find_impulse(const ContactSet& set, const ContactPair& pair,
     return nullptr;
 }
 
+// Points that are not used have a feature of 0.
 bool has_same_points(const Manifold& a, const Manifold& b) {
-    if (a.count != b.count) return false;
-    bool same = true;
-    for (std::size_t k = 0; k < a.count; ++k) same &= a.points[k].feature == b.points[k].feature;
-    return same;
+    std::uint64_t difference = a.count ^ b.count;
+    for (std::size_t k = 0; k < kMaxManifoldPoints; ++k) difference |= a.points[k].feature ^ b.points[k].feature;
+    return difference == 0;
 }
 
 void carry_manifold(const Manifold& manifold, ManifoldImpulses& impulses, const ContactSet& before,
@@ -27,9 +27,10 @@ void carry_manifold(const Manifold& manifold, ManifoldImpulses& impulses, const 
     // Nearly always: one manifold, and its points in the order they had.
     if (old_pair.manifold_count == 1 && has_same_points(manifold, before.manifolds[old_pair.first_manifold])) {
         const ManifoldImpulses& old = before.impulses[old_pair.first_manifold];
-        for (std::size_t k = 0; k < manifold.count; ++k) impulses[k] = {scale * old[k].normal, scale * old[k].friction};
+        for (std::size_t k = 0; k < kMaxManifoldPoints; ++k) impulses[k] = {scale * old[k].normal, scale * old[k].friction};
         return;
     }
+    impulses = {};
     for (std::size_t k = 0; k < manifold.count; ++k) {
         const std::uint64_t feature = manifold.points[k].feature;
         int twins = 0;
@@ -40,54 +41,87 @@ void carry_manifold(const Manifold& manifold, ManifoldImpulses& impulses, const 
     }
 }
 
-/// The mean is the sum until all are in.
+/// The mean is the sum until all are in. Without branches: which points overlap is anybody's guess.
 void sum_up(const Manifold& manifold, ContactSummary& s) {
-    for (const ContactPoint& p : manifold.used()) {
-        ++s.points;
-        if (p.separation > 0.0f) continue;
-        const double depth = -static_cast<double>(p.separation);
-        ++s.touching;
+    s.points += manifold.count;
+    for (std::size_t k = 0; k < kMaxManifoldPoints; ++k) {
+        const float separation = manifold.points[k].separation;
+        const double depth = separation < 0.0f ? -static_cast<double>(separation) : 0.0;  // 0 where it is not used
+        s.touching += static_cast<std::size_t>(k < manifold.count) & static_cast<std::size_t>(separation <= 0.0f);
         s.mean_penetration += depth;
         s.max_penetration = std::max(s.max_penetration, depth);
     }
 }
 
+void add(ContactSummary& sum, const ContactSummary& part) {
+    sum.points += part.points;
+    sum.touching += part.touching;
+    sum.mean_penetration += part.mean_penetration;
+    sum.max_penetration = std::max(sum.max_penetration, part.max_penetration);
+}
+
+constexpr std::size_t kPart = 256;  // pairs worked on together, whatever the number of threads
+constexpr std::size_t part_count(std::size_t pairs) { return (pairs + kPart - 1) / kPart; }
+
+/// Calls `work` with the number of each part and the pairs [first, end) that it has.
+template <class Work>
+void for_parts(std::size_t pairs, Executor& executor, const Work& work) {
+    executor.parallel_for(part_count(pairs), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t part = begin; part < end; ++part) work(part, part * kPart, std::min(pairs, (part + 1) * kPart));
+    });
+}
+
 }  // namespace
 
-void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t candidate)> make) {
-    contacts.pairs.clear();
-    contacts.summary = {};
-    const auto count = static_cast<std::uint32_t>(contacts.manifolds.size());
-    for (std::uint32_t first = 0, next = 0; first < count; first = next) {
-        const std::uint32_t candidate = contacts.manifolds[first].pair;
-        const auto index = static_cast<std::uint32_t>(contacts.pairs.size());
-        for (; next < count && contacts.manifolds[next].pair == candidate; ++next) {
-        }
-        for (std::uint32_t m = first; m < next; ++m) {
-            contacts.manifolds[m].pair = index;
-            sum_up(contacts.manifolds[m], contacts.summary);
-        }
-        ContactPair& pair = contacts.pairs.emplace_back(make(candidate));
-        pair.first_manifold = first;
-        pair.manifold_count = next - first;
+void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t candidate)> make, Executor& executor) {
+    std::vector<Manifold>& manifolds = contacts.manifolds;
+    contacts.firsts.clear();
+    for (std::uint32_t m = 0; m < manifolds.size(); ++m) {
+        if (m == 0 || manifolds[m].pair != manifolds[m - 1].pair) contacts.firsts.push_back(m);
     }
+    const std::size_t count = contacts.firsts.size();
+    contacts.firsts.push_back(static_cast<std::uint32_t>(manifolds.size()));
+    contacts.pairs.resize(count);
+    contacts.parts.assign(part_count(count), {});
+    for_parts(count, executor, [&](std::size_t part, std::size_t begin, std::size_t end) {
+        ContactSummary sum;
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::uint32_t first = contacts.firsts[i], next = contacts.firsts[i + 1];
+            ContactPair& pair = contacts.pairs[i];
+            pair = make(manifolds[first].pair);
+            pair.first_manifold = first;
+            pair.manifold_count = next - first;
+            for (std::uint32_t m = first; m < next; ++m) {
+                manifolds[m].pair = static_cast<std::uint32_t>(i);
+                sum_up(manifolds[m], sum);
+            }
+        }
+        contacts.parts[part] = sum;
+    });
+    contacts.summary = {};
+    for (const ContactSummary& part : contacts.parts) add(contacts.summary, part);
     if (contacts.summary.touching > 0) contacts.summary.mean_penetration /= static_cast<double>(contacts.summary.touching);
 }
 
-void carry_impulses(ContactSet& contacts, const ContactSet& before, float scale) {
-    contacts.impulses.assign(contacts.manifolds.size(), ManifoldImpulses{});
-    std::size_t old_index = 0;
-    for (const ContactPair& pair : contacts.pairs) {
-        while (old_index < before.pairs.size() && before.pairs[old_index].key < pair.key) ++old_index;
-        if (old_index == before.pairs.size()) return;
-        const ContactPair& old_pair = before.pairs[old_index];
-        // Slots are reused: the same key with another generation is another pair.
-        if (old_pair.key == pair.key && old_pair.shape_a == pair.shape_a && old_pair.shape_b == pair.shape_b) {
+void carry_impulses(ContactSet& contacts, const ContactSet& before, float scale, Executor& executor) {
+    contacts.impulses.resize(contacts.manifolds.size());
+    const std::vector<ContactPair>& old_pairs = before.pairs;
+    for_parts(contacts.pairs.size(), executor, [&](std::size_t, std::size_t begin, std::size_t end) {
+        auto old = std::ranges::lower_bound(old_pairs, contacts.pairs[begin].key, {}, &ContactPair::key);
+        for (std::size_t i = begin; i < end; ++i) {
+            const ContactPair& pair = contacts.pairs[i];
+            while (old != old_pairs.end() && old->key < pair.key) ++old;
+            // Slots are reused: the same key with another generation is another pair.
+            const bool known = old != old_pairs.end() && old->key == pair.key && old->shape_a == pair.shape_a && old->shape_b == pair.shape_b;
             for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
-                carry_manifold(contacts.manifolds[m], contacts.impulses[m], before, old_pair, scale);
+                if (known) {
+                    carry_manifold(contacts.manifolds[m], contacts.impulses[m], before, *old, scale);
+                } else {
+                    contacts.impulses[m] = {};
+                }
             }
         }
-    }
+    });
 }
 
 }  // namespace carom::dynamics

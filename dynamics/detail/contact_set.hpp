@@ -1,6 +1,7 @@
 // The contacts of a step and what they remember of the step before.
 #pragma once
 
+#include <carom/core/executor.hpp>
 #include <carom/core/function_ref.hpp>
 #include <carom/core/ids.hpp>
 #include <carom/narrowphase/manifold.hpp>
@@ -42,6 +43,8 @@ struct ContactSet {
     std::vector<Manifold> manifolds;          ///< in the order of the pairs
     std::vector<ManifoldImpulses> impulses;   ///< one for each manifold
     ContactSummary summary;                   ///< of the manifolds
+    std::vector<std::uint32_t> firsts;        ///< of each pair its first manifold, and the end: while pairs are made
+    std::vector<ContactSummary> parts;        ///< of the summary, while it is made
 
     void clear() noexcept {
         summary = {};
@@ -52,12 +55,12 @@ struct ContactSet {
 };
 
 /// Makes a pair of each candidate that has manifolds, by `make` and in their order, numbers the manifolds' pairs by it, and sums the manifolds
-/// up.
-void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t candidate)> make);
+/// up, in parts of fixed length: the same bits on every number of threads.
+void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t candidate)> make, Executor& executor);
 
 /// Gives each point the impulses that the point of the same feature and the same pair had in `before`, times `scale` (the ratio
 /// of the substeps: forces stay, impulses do not); zero where it is new. Where several points share a feature, the n-th gets
 /// the n-th one's. Cost: linear in the two sets.
-void carry_impulses(ContactSet& contacts, const ContactSet& before, float scale);
+void carry_impulses(ContactSet& contacts, const ContactSet& before, float scale, Executor& executor);
 
 }  // namespace carom::dynamics

@@ -91,21 +91,25 @@ void ContactSolver::assign_rows(const ContactSet& contacts, std::span<const unsi
 
 void ContactSolver::fill_rows(const BodyArrays& bodies, Executor& executor) {
     const std::size_t count = slot_of_row_.size();
-    rows_.bodies.assign(count + 1, SolverBody{});
-    rows_.masses.assign(count + 1, SolverMass{});
-    rows_.bases.assign(count + 1, SolverBase{});
-    executor.parallel_for(count, kBodyGrain, [&](std::size_t begin, std::size_t end) {
+    rows_.bodies.resize(count + 1);
+    rows_.masses.resize(count + 1);
+    rows_.bases.resize(count + 1);
+    executor.parallel_for(count + 1, kBodyGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
+            rows_.bodies[row] = {};
+            rows_.masses[row] = {};
+            rows_.bases[row] = {};
+            if (row == count) continue;  // what never moves
             const BodyState& state = bodies.states[slot_of_row_[row]];
             set(rows_.bodies[row].velocity, state.velocity);
             set(rows_.bodies[row].spin, state.spin);
             if (row >= static_cast<std::size_t>(rows_.movable)) continue;
             const BodyMass& mass = bodies.masses[slot_of_row_[row]];
-            const dmat3 inertia = world_inverse_inertia(state, mass);
+            const SymmetricInertia inertia = symmetric_inverse_inertia(state, mass);
             SolverMass& m = rows_.masses[row];
-            set(m.diagonal, {inertia[0][0], inertia[1][1], inertia[2][2]});
+            set(m.diagonal, inertia.diagonal);
             m.diagonal[3] = static_cast<float>(mass.inverse_mass);
-            set(m.others, {inertia[0][1], inertia[0][2], inertia[1][2]});
+            set(m.others, inertia.others);
             set_kick(rows_.bases[row], bodies, slot_of_row_[row], settings_);
         }
     });
@@ -117,17 +121,15 @@ void ContactSolver::fill_sides(const ProxySet& proxies, const BodyArrays& bodies
     executor.parallel_for(sides_.size(), kBodyGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t slot = begin; slot < end; ++slot) {
             if (proxies.kinds[slot] == ProxyKind::None) continue;
-            const Proxy& proxy = proxies.by_slot[slot];
-            if (bodies.roles[proxy.body] == Role::Asleep) continue;
-            const std::int32_t row = row_of_slot_[proxy.body];
+            const std::uint32_t body = proxies.bodies[slot];
+            if (bodies.roles[body] == Role::Asleep) continue;
+            const std::int32_t row = row_of_slot_[body];
             sides_[slot] = {.origin = proxies.poses[slot].position,
-                            .centre = bodies.states[proxy.body].pose.position,
-                            .extent = proxy.extent,
-                            .surface = proxy.surface,
-                            .compound = compound_of(proxy.shape),
+                            .centre = bodies.states[body].pose.position,
+                            .of = proxies.surfaces[slot],
+                            .push = static_cast<float>(settings_.max_push * proxies.extents[slot] / settings_.dt),
                             .row = row == kNoRow ? static_cast<std::int32_t>(slot_of_row_.size()) : row,
-                            .is_ball = type_of(proxy.shape) == ShapeType::Sphere && proxy.local.position == dvec3{0.0},
-                            .is_static = bodies.roles[proxy.body] == Role::Static};
+                            .is_static = bodies.roles[body] == Role::Static};
         }
     });
 }
@@ -148,18 +150,18 @@ void ContactSolver::fill_manifold_rows(const ContactSet& contacts, Executor& exe
 
 ManifoldRow ContactSolver::row_of(const Manifold& manifold, const Side& a, const Side& b) const {
     ManifoldRow row;
-    set(row.normal, dvec3{manifold.normal});
+    row.normal[0] = manifold.normal.x, row.normal[1] = manifold.normal.y, row.normal[2] = manifold.normal.z;
     dvec3 origin_a = a.origin - a.centre, origin_b = a.origin - b.centre;
     // What never moves needs no lever arm of its own, which may be as long as the world and lose the contact's digits.
     if (a.is_static) origin_a = origin_b;
     if (b.is_static) origin_b = origin_a;
     set(row.origin_a, origin_a);
     set(row.origin_b, origin_b);
-    row.push_limit = static_cast<float>(settings_.max_push * std::min(a.extent, b.extent) / settings_.dt);
-    const Surface surface_a = surface_of_part(a.surface, a.compound, manifold.part_a);
-    const Surface surface_b = surface_of_part(b.surface, b.compound, manifold.part_b);
+    row.push_limit = std::min(a.push, b.push);  // of the smaller shape
+    const Surface surface_a = surface_of_part(a.of.surface, a.of.compound, manifold.part_a);
+    const Surface surface_b = surface_of_part(b.of.surface, b.of.compound, manifold.part_b);
     row.friction = combine(surface_a.friction, surface_b.friction, surface_a.friction_rule, surface_b.friction_rule, CombineRule::GeometricMean);
-    row.round = (a.is_ball ? 1 : 0) + (b.is_ball ? 2 : 0);
+    row.round = (a.of.is_ball ? 1 : 0) + (b.of.is_ball ? 2 : 0);
     row.row_a = a.row;
     row.row_b = b.row;
     row.count = static_cast<std::int32_t>(manifold.count);

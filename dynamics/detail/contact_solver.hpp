@@ -68,11 +68,9 @@ private:
     struct Side {
         dvec3 origin{0.0};  ///< of the shape in the world
         dvec3 centre{0.0};  ///< of mass of its body
-        double extent = 0.0;
-        Surface surface;
-        const Compound* compound = nullptr;  ///< whose parts may have surfaces of their own
+        ProxySurface of;
+        float push = 0.0f;     ///< overlap of its contacts is removed at this speed at most [m/s]
         std::int32_t row = 0;
-        bool is_ball = false;  ///< a sphere about the centre of mass: it looks the same however it turns
         bool is_static = false;
     };
     void assign_rows(const ContactSet& contacts, std::span<const unsigned char> held, const BodyArrays& bodies);

@@ -134,6 +134,19 @@ dmat3 world_inverse_inertia(const BodyState& state, const BodyMass& mass) noexce
     return inverse_over_free(in_world(state.pose.orientation, mass.moments), mass.locked);
 }
 
+SymmetricInertia symmetric_inverse_inertia(const BodyState& state, const BodyMass& mass) noexcept {
+    if (!turns_freely(mass)) {
+        const dmat3 all = world_inverse_inertia(state, mass);
+        return {{all[0][0], all[1][1], all[2][2]}, {all[0][1], all[0][2], all[1][2]}};
+    }
+    // The sums of in_world(), in its order: the same bits.
+    const dmat3 r = glm::mat3_cast(state.pose.orientation);
+    const dvec3& d = mass.inverse_moments;
+    const dvec3 x = r[0] * d.x, y = r[1] * d.y, z = r[2] * d.z;
+    const auto entry = [&](int column, int row) { return x[row] * r[0][column] + y[row] * r[1][column] + z[row] * r[2][column]; };
+    return {{entry(0, 0), entry(1, 1), entry(2, 2)}, {entry(0, 1), entry(0, 2), entry(1, 2)}};
+}
+
 dvec3 angular_momentum(const BodyState& state, const BodyMass& mass) noexcept {
     return rotate(state.pose.orientation, mass.moments * rotate_inverse(state.pose.orientation, state.spin));
 }

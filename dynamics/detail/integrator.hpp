@@ -39,6 +39,12 @@ struct Decay {
 /// @return the inverse inertia in world axes; with locked axes, of what is left to turn about.
 [[nodiscard]] dmat3 world_inverse_inertia(const BodyState& state, const BodyMass& mass) noexcept;
 
+/// The same, of which the solver wants each number once: Ixx Iyy Izz, and Ixy Ixz Iyz.
+struct SymmetricInertia {
+    dvec3 diagonal{0.0}, others{0.0};
+};
+[[nodiscard]] SymmetricInertia symmetric_inverse_inertia(const BodyState& state, const BodyMass& mass) noexcept;
+
 /// @return angular momentum about the centre of mass, world axes [kg m²/s].
 [[nodiscard]] dvec3 angular_momentum(const BodyState& state, const BodyMass& mass) noexcept;
 

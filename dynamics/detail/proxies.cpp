@@ -101,6 +101,8 @@ void put_proxy(ProxySet& set, Proxy proxy, const ProxyFilter& filter) {
         set.poses.resize(size);
         set.shapes.resize(size, nullptr);
         set.bodies.resize(size, 0);
+        set.surfaces.resize(size);
+        set.owners.resize(size);
         set.extents.resize(size, 0.0);
         set.motion.resize(size, 0.0);
         set.stale.resize(size, 0);
@@ -116,6 +118,9 @@ void put_proxy(ProxySet& set, Proxy proxy, const ProxyFilter& filter) {
     ++set.versions[slot];
     set.boxlike[slot] = type_of(proxy.shape) == ShapeType::Box ? 1 : 0;
     set.bodies[slot] = proxy.body;
+    const bool is_ball = type_of(proxy.shape) == ShapeType::Sphere && proxy.local.position == dvec3{0.0};
+    set.surfaces[slot] = {proxy.surface, compound_of(proxy.shape), is_ball};
+    set.owners[slot] = {proxy.id, proxy.owner};
     set.extents[slot] = proxy.extent;
     set.by_slot[slot] = std::move(proxy);
     set.changed = true;
@@ -247,14 +252,13 @@ bool name_candidates(const ProxySet& set, double share, std::span<NumberedPair> 
 }
 
 ContactPair contact_pair(const ProxySet& set, const NumberedPair& candidate) noexcept {
-    const Proxy& first = set.by_slot[candidate.a];
-    const Proxy& second = set.by_slot[candidate.b];
+    const ProxyOwner &first = set.owners[candidate.a], &second = set.owners[candidate.b];
     ContactPair pair;
     pair.key = key_of(set, candidate);
-    pair.shape_a = first.id;
-    pair.shape_b = second.id;
-    pair.body_a = first.owner;
-    pair.body_b = second.owner;
+    pair.shape_a = first.shape;
+    pair.shape_b = second.shape;
+    pair.body_a = first.body;
+    pair.body_b = second.body;
     pair.proxy_a = candidate.a;
     pair.proxy_b = candidate.b;
     return pair;

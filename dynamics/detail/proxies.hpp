@@ -62,6 +62,19 @@ struct BodyArrays {
     }
 };
 
+/// Whose shape stands at a slot.
+struct ProxyOwner {
+    ShapeId shape;
+    BodyId body;
+};
+
+/// What the solver wants to know of a shape.
+struct ProxySurface {
+    Surface surface;
+    const Compound* compound = nullptr;  ///< whose parts may have surfaces of their own
+    bool is_ball = false;                ///< a sphere about the centre of mass: it looks the same however it turns
+};
+
 /// What stands at a slot.
 enum class ProxyKind : unsigned char { None, Bounded, Plane };
 
@@ -74,6 +87,8 @@ struct ProxySet {
     std::vector<Pose> poses;              ///< in the world
     std::vector<const Shape*> shapes;     ///< null: the slot is free
     std::vector<std::uint32_t> bodies;    ///< slots of the owners
+    std::vector<ProxySurface> surfaces;
+    std::vector<ProxyOwner> owners;       ///< what contacts name: beside each other, which Proxies are not
     std::vector<double> extents;          ///< smallest ones [m]
     std::vector<double> motion;           ///< of bounded proxies: how far any point may move in the step [m]
     std::vector<unsigned char> stale;     ///< 1: came or changed since the last update: the box must be made anew although the body is static

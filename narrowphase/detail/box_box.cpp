@@ -112,7 +112,7 @@ struct Pairs {
 struct Block {
     Pairs all, near;
     std::array<BoxPatchBundle, kBundles> patches{};
-    std::vector<Manifold> corners;          // of pairs that touch corner to corner
+    ManifoldList corners;                   // of pairs that touch corner to corner
     std::vector<std::uint32_t> corners_to;  // where they go
 
     void keep_near() noexcept {
@@ -159,7 +159,7 @@ Block& thread_block() {
 }
 
 void collide_block(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, Block& work,
-                   std::vector<Manifold>& out) {
+                   ManifoldList& out) {
     Pairs& all = work.all;
     Pairs& near = work.near;
     all.count = 0;
@@ -175,10 +175,10 @@ void collide_block(const BatchInput& input, std::span<const std::uint32_t> chose
     near.place(input);
     build_box_patches({near.pairs.data(), bundles}, {near.axes.data(), bundles}, {work.patches.data(), bundles});
     const std::size_t first = out.size();
-    out.resize(first + work.number_manifolds(input, first, workspace));
+    out.add_unwritten(work.number_manifolds(input, first, workspace));
     write_box_manifolds(input.boxes, {near.numbers.data(), bundles}, {near.ways.data(), bundles}, {near.axes.data(), bundles},
                         {work.patches.data(), bundles}, out.data());
-    for (std::size_t k = 0; k < work.corners.size(); ++k) out[work.corners_to[k]] = work.corners[k];
+    for (std::size_t k = 0; k < work.corners.size(); ++k) out.data()[work.corners_to[k]] = work.corners[k];
 }
 
 }  // namespace
@@ -205,7 +205,7 @@ BoxLine box_line(const Box& box, const Pose& pose) noexcept {
     return line;
 }
 
-void box_box(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, std::vector<Manifold>& out) {
+void box_box(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, ManifoldList& out) {
     Block& work = thread_block();
     for (std::size_t begin = 0; begin < chosen.size(); begin += kBlock) {
         collide_block(input, chosen.subspan(begin, std::min(kBlock, chosen.size() - begin)), workspace, work, out);

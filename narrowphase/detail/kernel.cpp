@@ -23,7 +23,7 @@ ManifoldSink ManifoldSink::of_part(const dmat3& axes, const dvec3& origin, bool 
 }
 
 void ManifoldSink::add(const Patch& patch) {
-    Manifold& manifold = out_.emplace_back();
+    Manifold& manifold = out_.add();
     manifold.pair = index_;
     manifold.part_a = static_cast<std::uint16_t>(part_a_);
     manifold.part_b = static_cast<std::uint16_t>(part_b_);
@@ -37,7 +37,7 @@ void ManifoldSink::add(const Patch& patch) {
 }
 
 CollideStatus run_pair(const ShapePair& pair, const KernelEntry& entry, std::uint32_t index, Workspace& workspace,
-                       std::vector<Manifold>& out) {
+                       ManifoldList& out) {
     const Pose& first = entry.swapped ? pair.pose_b : pair.pose_a;
     const Pose& second = entry.swapped ? pair.pose_a : pair.pose_b;
     const dmat3 to_world = glm::mat3_cast(first.orientation);

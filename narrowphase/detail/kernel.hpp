@@ -4,11 +4,11 @@
 #pragma once
 
 #include <carom/narrowphase/collide.hpp>
+#include <carom/narrowphase/detail/manifold_list.hpp>
 
 #include <array>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 namespace carom::detail {
 
@@ -48,7 +48,7 @@ struct Patch {
 class ManifoldSink {
 public:
     /// @param axes  rotation of the kernel's first shape to world axes; `shift` from A's origin to the first shape's.
-    ManifoldSink(const dmat3& axes, const dvec3& shift, bool swapped, std::uint32_t index, std::vector<Manifold>& out) noexcept
+    ManifoldSink(const dmat3& axes, const dvec3& shift, bool swapped, std::uint32_t index, ManifoldList& out) noexcept
         : axes_(axes), shift_(shift), turn_(swapped ? -1.0 : 1.0), index_(index), out_(out) {}
 
     void add(const Patch& patch);
@@ -64,7 +64,7 @@ private:
     std::uint32_t part_a_ = 0, part_b_ = 0;
     std::uint64_t parts_ = 0;  // in the order in which the kernels took compounds apart, each part counted from 1; 0: none
     std::uint32_t index_;
-    std::vector<Manifold>& out_;
+    ManifoldList& out_;
 };
 
 struct Workspace;  // detail/workspace.hpp
@@ -89,7 +89,7 @@ struct BatchInput {
 
 /// Many pairs of one kind at once: pairs `chosen` of the input, at most one manifold for each, in their order.
 using WideKernel = void (*)(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace,
-                            std::vector<Manifold>& out);
+                            ManifoldList& out);
 
 /// The kernel of a pair of types: for one pair at a time, which may take the second type first, or for many; where there are both, the
 /// one for many is faster and preferred. Both are null where there is none.
@@ -106,7 +106,7 @@ struct KernelEntry {
 
 /// Runs one pair that has been checked, by a kernel for one at a time.
 CollideStatus run_pair(const ShapePair& pair, const KernelEntry& entry, std::uint32_t index, Workspace& workspace,
-                       std::vector<Manifold>& out);
+                       ManifoldList& out);
 
 /// The shape as what it is known to be.
 template <class T>

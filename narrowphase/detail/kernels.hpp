@@ -27,13 +27,13 @@ CollideStatus mesh_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSin
 CollideStatus mesh_plane(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 
 /// Many at once: the same bits as those for one pair, but for two boxes, which are worked on in float.
-void sphere_sphere_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, std::vector<Manifold>& out);
-void sphere_capsule_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, std::vector<Manifold>& out);
-void sphere_box_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, std::vector<Manifold>& out);
-void sphere_plane_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, std::vector<Manifold>& out);
-void capsule_capsule_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, std::vector<Manifold>& out);
-void capsule_plane_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, std::vector<Manifold>& out);
-void box_box(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, std::vector<Manifold>& out);
+void sphere_sphere_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, ManifoldList& out);
+void sphere_capsule_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, ManifoldList& out);
+void sphere_box_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, ManifoldList& out);
+void sphere_plane_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, ManifoldList& out);
+void capsule_capsule_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, ManifoldList& out);
+void capsule_plane_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, ManifoldList& out);
+void box_box(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, ManifoldList& out);
 
 /// Two boxes as polytopes in double: where they are not many, as parts of compounds are not.
 CollideStatus box_box_alone(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);

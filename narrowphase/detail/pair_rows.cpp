@@ -34,13 +34,13 @@ void PairRows::fill(const BatchInput& input, std::span<const std::uint32_t> chos
     }
 }
 
-void ContactRows::write(std::span<const std::uint32_t> chosen, std::vector<Manifold>& out) const {
+void ContactRows::write(std::span<const std::uint32_t> chosen, ManifoldList& out) const {
     const auto read = [](const DoubleBundle (&rows)[3], std::size_t lane) {
         return vec3(static_cast<float>(rows[0].lane[lane]), static_cast<float>(rows[1].lane[lane]), static_cast<float>(rows[2].lane[lane]));
     };
     for (std::size_t lane = 0; lane < chosen.size(); ++lane) {
         if (((points[0].valid | points[1].valid) >> lane & 1u) == 0) continue;
-        Manifold& manifold = out.emplace_back();
+        Manifold& manifold = out.add();
         manifold.pair = chosen[lane];
         manifold.normal = read(normal, lane);
         for (const Point& point : points) {

@@ -6,7 +6,6 @@
 
 #include <cstdint>
 #include <span>
-#include <vector>
 
 namespace carom::detail {
 
@@ -31,7 +30,7 @@ struct ContactRows {
     Point points[2];
 
     /// Appends the manifolds of the pairs that have a point, in their order.
-    void write(std::span<const std::uint32_t> chosen, std::vector<Manifold>& out) const;
+    void write(std::span<const std::uint32_t> chosen, ManifoldList& out) const;
 };
 
 }  // namespace carom::detail

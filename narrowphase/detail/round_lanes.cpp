@@ -196,7 +196,7 @@ struct CapsuleCapsule {
 };
 
 template <class Kernel>
-HWY_INLINE void run(const BatchInput& input, std::span<const std::uint32_t> chosen, ShapeType first_type, std::vector<Manifold>& out) {
+HWY_INLINE void run(const BatchInput& input, std::span<const std::uint32_t> chosen, ShapeType first_type, ManifoldList& out) {
     PairRows rows;
     const bool swapped = type_of(*input.placed.shapes[input.pairs[chosen.front()].a]) != first_type;
     for (std::size_t begin = 0; begin < chosen.size(); begin += kDoubleBundleWidth) {
@@ -215,7 +215,7 @@ HWY_INLINE void run(const BatchInput& input, std::span<const std::uint32_t> chos
 }
 
 using Chosen = std::span<const std::uint32_t>;
-using Manifolds = std::vector<Manifold>;
+using Manifolds = ManifoldList;
 void SphereSphereLanes(const BatchInput& i, Chosen c, Manifolds& out) { run<SphereSphere>(i, c, ShapeType::Sphere, out); }
 void SphereCapsuleLanes(const BatchInput& i, Chosen c, Manifolds& out) { run<SphereCapsule>(i, c, ShapeType::Sphere, out); }
 void SphereBoxLanes(const BatchInput& i, Chosen c, Manifolds& out) { run<SphereBox>(i, c, ShapeType::Sphere, out); }
@@ -236,22 +236,22 @@ HWY_EXPORT(SpherePlaneLanes);
 HWY_EXPORT(CapsuleCapsuleLanes);
 HWY_EXPORT(CapsulePlaneLanes);
 
-void sphere_sphere_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace&, std::vector<Manifold>& out) {
+void sphere_sphere_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace&, ManifoldList& out) {
     HWY_DYNAMIC_DISPATCH(SphereSphereLanes)(input, chosen, out);
 }
-void sphere_capsule_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace&, std::vector<Manifold>& out) {
+void sphere_capsule_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace&, ManifoldList& out) {
     HWY_DYNAMIC_DISPATCH(SphereCapsuleLanes)(input, chosen, out);
 }
-void sphere_box_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace&, std::vector<Manifold>& out) {
+void sphere_box_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace&, ManifoldList& out) {
     HWY_DYNAMIC_DISPATCH(SphereBoxLanes)(input, chosen, out);
 }
-void sphere_plane_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace&, std::vector<Manifold>& out) {
+void sphere_plane_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace&, ManifoldList& out) {
     HWY_DYNAMIC_DISPATCH(SpherePlaneLanes)(input, chosen, out);
 }
-void capsule_capsule_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace&, std::vector<Manifold>& out) {
+void capsule_capsule_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace&, ManifoldList& out) {
     HWY_DYNAMIC_DISPATCH(CapsuleCapsuleLanes)(input, chosen, out);
 }
-void capsule_plane_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace&, std::vector<Manifold>& out) {
+void capsule_plane_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace&, ManifoldList& out) {
     HWY_DYNAMIC_DISPATCH(CapsulePlaneLanes)(input, chosen, out);
 }
 }  // namespace carom::detail

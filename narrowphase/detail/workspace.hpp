@@ -1,12 +1,11 @@
 // Buffers of the kernels, one set a thread, that grow once and are reused.
 #pragma once
 
+#include <carom/narrowphase/detail/manifold_list.hpp>
 #include <carom/narrowphase/detail/mesh_leaders.hpp>
 #include <carom/narrowphase/detail/mesh_surface.hpp>
 #include <carom/narrowphase/detail/polygon_contact.hpp>
 #include <carom/narrowphase/detail/polytope_axis.hpp>
-
-#include <vector>
 
 namespace carom::detail {
 
@@ -15,6 +14,7 @@ struct Workspace {
     PolygonScratch polygons;
     MeshSurface surface;
     MeshContact meshes;
+    ManifoldList alone;  ///< of a pair by itself
 };
 
 /// @return the calling thread's buffers.

@@ -17,13 +17,14 @@ ContactSet set_of(std::initializer_list<std::uint64_t> keys, std::vector<Manifol
     ContactSet set;
     set.manifolds = std::move(manifolds);
     const std::vector<std::uint64_t> all(keys);
+    SerialExecutor executor;
     link_manifolds(set, [&](std::uint32_t candidate) {
         ContactPair pair;
         pair.key = all[candidate];
         pair.shape_a = {1, 7};
         pair.shape_b = {2, 7};
         return pair;
-    });
+    }, executor);
     set.impulses.resize(set.manifolds.size());
     return set;
 }
@@ -48,7 +49,8 @@ TEST(ContactSet, ImpulsesFollowTheFeatureWithinThePair) {
     before.impulses[0][1].friction = {1.0f, 2.0f, 3.0f};
     before.impulses[1][0].normal = 9.0f;
     ContactSet now = set_of({10, 15, 20}, {manifold_of(0, {6, 7}), manifold_of(1, {5}), manifold_of(2, {4, 5})});
-    carry_impulses(now, before, 1.0f);
+    SerialExecutor executor;
+    carry_impulses(now, before, 1.0f, executor);
     EXPECT_EQ(now.impulses[0][0].normal, 3.0f);
     EXPECT_EQ(now.impulses[0][0].friction, vec3(1.0f, 2.0f, 3.0f));
     EXPECT_EQ(now.impulses[0][1].normal, 0.0f) << "a new feature starts from nothing";
@@ -61,7 +63,8 @@ TEST(ContactSet, ImpulsesScaleWithTheSubstepAndTwinsKeepTheirOwn) {
     before.impulses[0][0].normal = 2.0f;
     before.impulses[0][1].normal = 6.0f;
     ContactSet now = set_of({10}, {manifold_of(0, {5, 5, 5})});
-    carry_impulses(now, before, 0.5f);
+    SerialExecutor executor;
+    carry_impulses(now, before, 0.5f, executor);
     EXPECT_EQ(now.impulses[0][0].normal, 1.0f);
     EXPECT_EQ(now.impulses[0][1].normal, 3.0f);
     EXPECT_EQ(now.impulses[0][2].normal, 0.0f);
@@ -71,7 +74,8 @@ TEST(ContactSet, ImpulsesOfTheSamePointsScaleToo) {
     ContactSet before = set_of({10}, {manifold_of(0, {5, 6})});
     before.impulses[0][1] = {4.0f, {2.0f, 6.0f, 8.0f}};
     ContactSet now = set_of({10}, {manifold_of(0, {5, 6})});
-    carry_impulses(now, before, 0.5f);
+    SerialExecutor executor;
+    carry_impulses(now, before, 0.5f, executor);
     EXPECT_EQ(now.impulses[0][1].normal, 2.0f);
     EXPECT_EQ(now.impulses[0][1].friction, vec3(1.0f, 3.0f, 4.0f));
 }
@@ -81,7 +85,8 @@ TEST(ContactSet, AnotherGenerationIsAnotherPair) {
     before.impulses[0][0].normal = 3.0f;
     ContactSet now = set_of({10}, {manifold_of(0, {5})});
     now.pairs[0].shape_b.generation = 8;
-    carry_impulses(now, before, 1.0f);
+    SerialExecutor executor;
+    carry_impulses(now, before, 1.0f, executor);
     EXPECT_EQ(now.impulses[0][0].normal, 0.0f);
 }
 
