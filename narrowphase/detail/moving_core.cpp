@@ -144,7 +144,7 @@ Impact find_impact(const MovingPair& pair, const TimeOfImpactSettings& settings,
         if (impact.status == ImpactStatus::Touching) impact.point = pair.unit * touch, impact.normal = now.normal;
         return impact;
     }
-    impact.t = 1.0;
+    impact.t = until;
     return impact;
 }
 
