@@ -2,67 +2,26 @@
 
 #include <carom/bench/fcl_convex.hpp>
 #include <carom/bench/fcl_mesh.hpp>
-#include <carom/collision/convex_hull.hpp>
-#include <carom/core/math.hpp>
+#include <carom/bench/race.hpp>
+#include <carom/bench/random_shapes.hpp>
 #include <carom/core/random.hpp>
 #include <carom/narrowphase/overlap.hpp>
 #include <carom/studies/oracle/polytope.hpp>
 
 #include <fmt/format.h>
-#include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <ctime>
-#include <functional>
 #include <optional>
+#include <utility>
+#include <vector>
 
 namespace carom::bench {
 namespace {
 
 constexpr std::size_t kShapes = 200, kPairs = 20000, kTurn = 1000, kJudged = 4000;
-constexpr int kPasses = 7;
 constexpr double kTouching = 1e-9;  // gaps and depths that no verdict is wrong about [m]
-
-double cpu_now_ns() {
-    timespec now{};
-    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
-    return 1e9 * static_cast<double>(now.tv_sec) + static_cast<double>(now.tv_nsec);
-}
-
-dvec3 direction_of(Random& random) {
-    for (;;) {
-        dvec3 d{0.0};
-        for (int k = 0; k < 3; ++k) d[k] = random.range(-1.0, 1.0);
-        const double length = glm::length(d);
-        if (length <= 1.0 && length > 0.1) return d / length;
-    }
-}
-
-// Uniform: a point of the unit sphere in four dimensions.
-dquat rotation_of(Random& random) {
-    for (;;) {
-        dquat q = kIdentityRotation;
-        q.w = random.range(-1.0, 1.0), q.x = random.range(-1.0, 1.0), q.y = random.range(-1.0, 1.0), q.z = random.range(-1.0, 1.0);
-        const double length = glm::length(q);
-        if (length <= 1.0 && length > 0.1) return glm::normalize(q);
-    }
-}
-
-Shape box_of(Random& random) {
-    vec3 half{0.0f};
-    for (int k = 0; k < 3; ++k) half[k] = static_cast<float>(random.range(0.2, 1.0));
-    return Box{half};
-}
-
-Shape hull_of(Random& random) {
-    dvec3 scale{0.0};
-    for (int k = 0; k < 3; ++k) scale[k] = random.range(0.4, 1.0);
-    std::vector<vec3> points;
-    for (int i = 0; i < 32; ++i) points.push_back(vec3(direction_of(random) * scale));
-    return *ConvexHull::build(points);
-}
 
 // The pairs, as both contenders take them: pair i is of the places 2 i and 2 i + 1, which Carom counts from the first of its turn.
 struct Crowd {
@@ -103,28 +62,10 @@ struct Crowd {
     }
 };
 
-// Each does the turn that begins at pair `first`.
-using Turn = std::function<void(std::size_t first)>;
-
-// Medians over the passes, of a pair [ns]. Each contender sees a pair once a pass: repeated at once, a turn would run from the cache, which
-// spares Carom a third of its time on boxes and FCL little.
-std::pair<double, double> race(const Turn& carom, const Turn& peer) {
-    std::array<std::vector<double>, 2> passes;
-    for (int pass = 0; pass <= kPasses; ++pass) {
-        std::array<double, 2> spent{};
-        for (std::size_t first = 0; first < kPairs; first += kTurn) {
-            const double start = cpu_now_ns();
-            carom(first);
-            const double middle = cpu_now_ns();
-            peer(first);
-            spent[0] += middle - start;
-            spent[1] += cpu_now_ns() - middle;
-        }
-        if (pass == 0) continue;  // warm-up
-        for (std::size_t k = 0; k < 2; ++k) passes[k].push_back(spent[k] / double(kPairs));
-    }
-    for (auto& times : passes) std::ranges::sort(times);
-    return {passes[0][kPasses / 2], passes[1][kPasses / 2]};
+// Of a pair [ns].
+std::pair<double, double> race_two(const Turn& carom, const Turn& peer) {
+    const std::vector<double> medians = race(std::array{carom, peer}, {.items = kPairs, .turn = kTurn});
+    return {medians[0], medians[1]};
 }
 
 // What a contender got wrong.
@@ -181,7 +122,7 @@ void boolean_row(const Crowd& crowd, const std::string& bench, Rows& rows) {
     std::vector<Overlap> verdicts;
     std::vector<Overlap> all(kPairs);
     std::vector<unsigned char> peer(kPairs);
-    const auto times = race(
+    const auto times = race_two(
         [&](std::size_t first) {
             overlaps(crowd.places(first), crowd.pairs, executor, verdicts);
             std::ranges::copy(verdicts, all.begin() + static_cast<std::ptrdiff_t>(first));
@@ -209,7 +150,7 @@ void manifold_row(const Crowd& crowd, const std::string& bench, Rows& rows) {
     std::vector<Manifold> manifolds;
     std::vector<double> all(kPairs);
     std::vector<std::optional<double>> peer(kPairs);
-    const auto times = race(
+    const auto times = race_two(
         [&](std::size_t first) {
             collide(crowd.places(first), crowd.pairs, executor, scratch, manifolds);
             std::fill_n(all.begin() + static_cast<std::ptrdiff_t>(first), kTurn, 0.0);
@@ -236,7 +177,7 @@ void distance_row(const Crowd& crowd, const std::string& bench, Rows& rows) {
     std::vector<DistanceResult> results;
     std::vector<DistanceResult> all(kPairs);
     std::vector<std::optional<double>> peer(kPairs);
-    const auto times = race(
+    const auto times = race_two(
         [&](std::size_t first) {
             distance(crowd.places(first), crowd.pairs, executor, {}, results);
             std::ranges::copy(results, all.begin() + static_cast<std::ptrdiff_t>(first));

@@ -1,4 +1,4 @@
-// Boxes and hulls as FCL knows them, one pair at a time (GJK and EPA of libccd).
+// Balls, boxes and hulls as FCL knows them, one pair at a time (GJK and EPA of libccd, conservative advancement).
 //
 //   FclConvex a(Box{}), b(hull);
 //   bool meet = a.overlaps(b, FclPlace(pose_a), FclPlace(pose_b));
@@ -6,6 +6,7 @@
 
 #include <carom/collision/shapes.hpp>
 #include <carom/core/pose.hpp>
+#include <carom/narrowphase/time_of_impact.hpp>
 
 #include <memory>
 #include <optional>
@@ -25,9 +26,30 @@ private:
     std::unique_ptr<Data> data_;
 };
 
+/// A motion as FCL takes it, made beforehand likewise. FCL moves it while it searches.
+class FclMotion {
+public:
+    /// @param motion  about the shape's origin, by less than pi. What does not turn is a TranslationMotion, what does an InterpMotion.
+    explicit FclMotion(const RigidMotion& motion);
+    ~FclMotion();
+    FclMotion(FclMotion&&) noexcept;
+
+private:
+    friend class FclConvex;
+    struct Data;
+    std::unique_ptr<Data> data_;
+};
+
+/// What FCL says of two motions.
+struct FclImpact {
+    bool met = false;
+    double t = 1.0;
+    bool threw = false;
+};
+
 class FclConvex {
 public:
-    /// @param shape  a box or a hull.
+    /// @param shape  a sphere, a box or a hull.
     explicit FclConvex(const Shape& shape);
     ~FclConvex();
     FclConvex(FclConvex&&) noexcept;
@@ -37,6 +59,8 @@ public:
     [[nodiscard]] std::optional<double> depth(const FclConvex& other, const FclPlace& here, const FclPlace& there) const;
     /// @return the distance [m] with nearest points asked for, below 0 where they overlap; nothing where it throws.
     [[nodiscard]] std::optional<double> distance(const FclConvex& other, const FclPlace& here, const FclPlace& there) const;
+    /// Conservative advancement, with FCL's defaults: GJK of libccd. Of what turns, GJK of FCL's own, since libccd would end the program.
+    [[nodiscard]] FclImpact time_of_impact(const FclConvex& other, const FclMotion& here, const FclMotion& there) const;
 
 private:
     struct Geometry;

@@ -6,6 +6,7 @@
 #include <carom/bench/narrowphase_group.hpp>
 #include <carom/bench/rays_group.hpp>
 #include <carom/bench/step_group.hpp>
+#include <carom/bench/sweeps_group.hpp>
 
 #include <carom/core/output_file.hpp>
 #include <carom/core/result.hpp>
@@ -33,6 +34,7 @@ constexpr Group kGroups[] = {
     {"step", "whole steps against Bullet and ODE", run_step_group},
     {"rays", "single rays against Embree", run_rays_group},
     {"narrowphase", "boxes, hulls and meshes in pairs against FCL", run_narrowphase_group},
+    {"sweeps", "first contacts of moving convex shapes against FCL and Bullet", run_sweeps_group},
     {"broadphase", "pairs of moving boxes against Bullet, FCL and CGAL", run_broadphase_group},
 };
 

@@ -26,7 +26,7 @@ enum class ImpactStatus : unsigned char {
 template <class T>
 struct BasicImpact {
     ImpactStatus status = ImpactStatus::Separated;
-    T t = T(1);                        ///< in [0, 1], never later than the true time; 1 where they stay separated
+    T t = T(1);                        ///< in [0, 1], never later than the true time; 1 (or where the search was to end) where they stay separated
     glm::vec<3, T> point{T(0)};        ///< where they touch, on B's surface unless the function says otherwise; zero where they do not
     glm::vec<3, T> normal{T(0)};       ///< unit, from A to B; zero where they do not touch and where no direction is to be had
     int checks = 0;                    ///< certificates tried

@@ -4,6 +4,7 @@
 #include <carom/collision/convex_hull.hpp>
 #include <carom/core/math.hpp>
 #include <carom/narrowphase/detail/convex_query.hpp>
+#include <carom/narrowphase/detail/impact_input.hpp>
 #include <carom/narrowphase/detail/moving_core.hpp>
 
 #include <algorithm>
@@ -12,39 +13,10 @@
 namespace carom {
 namespace {
 
+using detail::fit;
+using detail::is_shape;
 using detail::MovingCore;
 using detail::MovingPair;
-
-/// Beyond these squares of lengths overflow, and turns are lost to rounding.
-constexpr double kLargestLength = 1e70;
-constexpr double kLargestTurn = 1e9;
-
-bool within(const dvec3& v, double bound) noexcept { return std::abs(v.x) <= bound && std::abs(v.y) <= bound && std::abs(v.z) <= bound; }
-
-bool fit(const RigidMotion& m) noexcept {
-    return is_finite(m.start.orientation) && within(m.start.position, kLargestLength) && within(m.translation, kLargestLength) &&
-           within(m.pivot, kLargestLength) && within(m.rotation, kLargestTurn);
-}
-bool fit(const TimeOfImpactSettings& s) noexcept {
-    const auto usual = [](double length) { return length >= 0.0 && length <= kLargestLength; };
-    return usual(s.separation) && usual(s.tolerance) && s.most_checks >= 1;
-}
-
-bool is_size(float x) noexcept { return is_finite(x) && x >= 0.0f; }
-bool fit(const Sphere& s) noexcept { return is_size(s.radius); }
-bool fit(const Box& b) noexcept { return is_size(b.half_extents.x) && is_size(b.half_extents.y) && is_size(b.half_extents.z); }
-bool fit(const Capsule& c) noexcept { return is_size(c.radius) && is_size(c.half_segment); }
-bool fit(const Cylinder& c) noexcept { return is_size(c.radius) && is_size(c.half_height); }
-bool fit(const Cone& c) noexcept { return is_size(c.radius) && is_size(c.half_height); }
-bool fit(const Plane& p) noexcept { return is_finite(p.normal) && is_finite(p.offset) && p.normal != vec3{0.0f}; }
-template <class Pointer>
-bool fit(const Pointer&) noexcept {
-    return true;  // checked when it was built, or for null by query_fault()
-}
-/// Sizes of zero are: a point, a segment, a rectangle. validate() asks for more, and allocates to say what.
-bool is_shape(const Shape& shape) noexcept {
-    return std::visit([](const auto& alternative) { return fit(alternative); }, shape);
-}
 
 dvec3 pivot_of(const RigidMotion& m) noexcept { return m.start.position + rotate(m.start.orientation, m.pivot); }
 
@@ -113,6 +85,13 @@ Impact placed(Impact impact, const RigidMotion& motion_a) noexcept {
     return impact;
 }
 
+/// @param a  no plane. Over a plane the point is A's lowest.
+Impact search(const Shape& a, const RigidMotion& motion_a, const Shape& b, const RigidMotion& motion_b, const TimeOfImpactSettings& settings,
+              DistanceCache* cache) noexcept {
+    const MovingPair pair = moving_pair(moving_core(a, motion_a), motion_a, moving_core(b, motion_b), motion_b);
+    return placed(find_impact(pair, settings, settings.until, cache), motion_a);
+}
+
 }  // namespace
 
 Pose pose_at(const RigidMotion& motion, double t) noexcept {
@@ -126,15 +105,20 @@ Impact time_of_impact(const Shape& a, const RigidMotion& motion_a, const Shape& 
                       const TimeOfImpactSettings& settings, DistanceCache* cache) noexcept {
     if (!fit(motion_a) || !fit(motion_b) || !fit(settings) || !is_shape(a) || !is_shape(b)) return kInvalid;
     if (detail::query_fault(a, b).what != nullptr) return kInvalid;
-    const bool swapped = type_of(a) == ShapeType::Plane;
-    if (swapped) {
-        Impact impact = time_of_impact(b, motion_b, a, motion_a, settings, cache);
+    if (type_of(a) == ShapeType::Plane) {
+        if (motion_a.rotation != dvec3{0.0}) return kInvalid;
+        Impact impact = search(b, motion_b, a, motion_a, settings, cache);
         impact.normal = -impact.normal;
         return impact;
     }
-    if (type_of(b) == ShapeType::Plane && motion_b.rotation != dvec3{0.0}) return kInvalid;
-    const MovingPair pair = moving_pair(moving_core(a, motion_a), motion_a, moving_core(b, motion_b), motion_b);
-    return placed(find_impact(pair, settings, 1.0, cache), motion_a);
+    const Plane* plane = std::get_if<Plane>(&b);
+    if (plane != nullptr && motion_b.rotation != dvec3{0.0}) return kInvalid;
+    Impact impact = search(a, motion_a, b, motion_b, settings, cache);
+    if (plane != nullptr && impact.status == ImpactStatus::Touching) {
+        const dvec3 foot = transform_point(motion_b.start, moving_core(b, motion_b).foot) + impact.t * motion_b.translation;
+        impact.point += glm::dot(impact.normal, foot - impact.point) * impact.normal;
+    }
+    return impact;
 }
 
 geo::MeshImpact time_of_impact(const Shape& a, const RigidMotion& motion_a, const TriangleMesh& b, const RigidMotion& motion_b,
@@ -154,6 +138,7 @@ geo::MeshImpact time_of_impact(const Shape& a, const RigidMotion& motion_a, cons
     const double turned = std::min(glm::length(motion_b.rotation), 2.0) * farthest;
     const double radius = (core.reach + core.radius + settings.separation + turned) * (1.0 + 1e-12) + 1e-12 * farthest;
     geo::MeshImpact first;
+    first.t = settings.until;
     int checks = 0;
     const auto look = [&](std::uint32_t index) {
         const detail::TrianglePoints points = detail::triangle_points(b.corners(index));
@@ -168,7 +153,8 @@ geo::MeshImpact time_of_impact(const Shape& a, const RigidMotion& motion_a, cons
         // Where the mesh turns, its boxes are met in another order than its triangles.
         return turned > 0.0 ? 1.0 : first.t;
     };
-    triangles_along(b.bvh(), {.origin = from, .direction = along, .t_max = 1.0}, dvec3{radius}, look);
+    const double reach = turned > 0.0 ? 1.0 : settings.until;
+    triangles_along(b.bvh(), {.origin = from, .direction = along, .t_max = reach}, dvec3{radius}, look);
     static_cast<Impact&>(first) = placed(first, motion_a);
     first.checks = checks;
     return first;

@@ -28,11 +28,12 @@ struct TimeOfImpactSettings {
     double separation = 0.0;  ///< shapes this near count as touching [m]; 0 to 1e70
     double tolerance = 0.0;   ///< the search ends once they are within separation + tolerance [m]; 0 to 1e70. At least 1e-9 of their sizes
     int most_checks = 128;    ///< cap on the certificates, each of which moves t on; >= 1
+    double until = 1.0;       ///< contacts later than this are not looked for, and Separated says nothing of them; 0 to 1
 };
 
 /// The first contact of two convex shapes: spheres, boxes, capsules, hulls, cylinders, cones; and of one such and a plane that does not turn.
 ///
-/// Guarantee: no contact before t, whatever the status (but for Invalid), and none at all where it is Separated. Each step from t to t + h is
+/// Guarantee: no contact before t, whatever the status (but for Invalid), and none up to `until` where it is Separated. Each step from t to t + h is
 /// paid for by a plane with the normal n that keeps the shapes apart: along n a point r from its pivot moves by n . (v s + w x r s) but for
 /// a remainder of at most |w| |w x n| |r| s^2 / 2, so the gap is at least a concave function of s, the support functions of the shapes
 /// along n + s (n x w), less the remainder and what rounding may do. Where that is positive at s = 0 and at h, it is between.

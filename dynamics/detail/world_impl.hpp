@@ -1,8 +1,9 @@
 // What a World holds. Public calls live in world.cpp (bodies, shapes), world_joint.cpp, world_state.cpp (reading and setting), world_query.cpp
-// (rays, energy, hash, contacts), plan.cpp and world_step.cpp (the step).
+// (rays, energy, hash, contacts), world_cast.cpp, plan.cpp and world_step.cpp (the step).
 #pragma once
 
 #include <carom/core/slot_map.hpp>
+#include <carom/dynamics/detail/cast_targets.hpp>
 #include <carom/dynamics/detail/contact_set.hpp>
 #include <carom/dynamics/detail/continuous.hpp>
 #include <carom/dynamics/detail/contact_solver.hpp>
@@ -125,6 +126,8 @@ struct World::Impl {
     }
     /// Where a joint's anchor is: on a body, or in the world for a null id.
     [[nodiscard]] dvec3 anchor_point(BodyId body, const dvec3& anchor) const;
+    /// Visits every shape that takes part, by bodies in order of creation.
+    void visit_cast_targets(FunctionRef<void(const dynamics::CastTarget& target)> visit) const;
     /// Whether the bodies of a joint are alive, unlike, and one of them moves. Otherwise reports misuse.
     [[nodiscard]] bool can_join(const JointDef& joint) const;
     /// Where the body's origin is.

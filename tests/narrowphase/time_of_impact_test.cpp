@@ -159,6 +159,13 @@ TEST(TimeOfImpact, APlaneIsMetByTheLowestPoint) {
         EXPECT_NEAR(hit.normal.y, swapped ? 1.0 : -1.0, 1e-12);
         EXPECT_NEAR(hit.point.y, 0.5, 1e-7);
     }
+    // The point is on B, however far apart they touch.
+    for (const bool swapped : {false, true}) {
+        const TimeOfImpactSettings apart{.separation = 0.25};
+        const Impact hit = swapped ? time_of_impact(floor, {}, box, fall, apart) : time_of_impact(box, fall, floor, {}, apart);
+        ASSERT_EQ(hit.status, ImpactStatus::Touching);
+        EXPECT_NEAR(hit.point.y, swapped ? 0.75 : 0.5, 1e-7);
+    }
     // A corner turns down onto it.
     const RigidMotion tip{.start = {{0, 1.1, 0}, kIdentityRotation}, .rotation = {0, 0, 0.5 * kPi}};
     const Impact corner = time_of_impact(box, tip, floor, {});
@@ -274,6 +281,9 @@ TEST(TimeOfImpact, BadInputIsInvalid) {
         }
     }
     EXPECT_EQ(time_of_impact(box, far, box, still, {.separation = -1.0}).status, ImpactStatus::Invalid);
+    for (const double until : {-0.1, 1.1, std::nan("")}) {
+        EXPECT_EQ(time_of_impact(box, far, box, still, {.until = until}).status, ImpactStatus::Invalid) << until;
+    }
     EXPECT_EQ(time_of_impact(box, far, box, still, {.tolerance = kInfinity}).status, ImpactStatus::Invalid);
     EXPECT_EQ(time_of_impact(box, far, box, still, {.most_checks = 0}).status, ImpactStatus::Invalid);
     EXPECT_EQ(time_of_impact(hull, still, box, far).status, ImpactStatus::Invalid);
