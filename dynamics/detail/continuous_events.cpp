@@ -80,7 +80,7 @@ bool Continuous::touch(Search& search, double begin, double end, std::uint32_t n
         search.shape_a.motion = shape_motion(a, search.proxy_a->local);
         search.shape_b.motion = shape_motion(b, search.proxy_b->local);
         const Impact impact = first_touch(search.shape_a, search.level, search.shape_b, {.separation = bend, .tolerance = search.tolerance}, cores_);
-        if (!may_touch(impact.status)) return false;
+        if (!may_touch(impact.status) || impact.status == ImpactStatus::Invalid) return false;  // a plane that turns: docs/continuous.md
         if (!(split_a || split_b)) {
             search.t = begin + impact.t * (end - begin);
             search.impact = impact;

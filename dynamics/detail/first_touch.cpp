@@ -2,6 +2,7 @@
 
 #include <carom/collision/compound.hpp>
 #include <carom/collision/convex_hull.hpp>
+#include <carom/narrowphase/shape_cast.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -54,12 +55,20 @@ Core core_of(const Shape& shape, double rest) {
 
 bool is_mesh(const Shape& shape) noexcept { return type_of(shape) == ShapeType::TriangleMesh; }
 
+/// A convex shape and any other that is no compound, unless that does not turn.
 Impact touch_convex(const Shape& a, const RigidMotion& motion_a, const Shape& b, const RigidMotion& motion_b, const TimeOfImpactSettings& settings) {
+    if (motion_b.rotation == dvec3{0.0}) {  // where B stands, the rest has closed forms
+        RigidMotion passing = motion_a;
+        passing.translation -= motion_b.translation;
+        Impact impact = cast_shape(a, passing, b, motion_b.start, settings);
+        impact.point += impact.t * motion_b.translation;
+        return impact;
+    }
     if (!is_mesh(b)) return time_of_impact(a, motion_a, b, motion_b, settings);
     return time_of_impact(a, motion_a, *std::get<TriangleMeshPtr>(b), motion_b, settings);
 }
 
-/// Of shapes that are no compounds.
+/// @param a  no compound; nor is B, unless it does not turn.
 Impact touch_parts(const MovingShape& a, int level, const MovingShape& b, const TimeOfImpactSettings& settings, Cores& cores) {
     const Shape* shape = a.shape;
     if (is_mesh(*shape)) {
@@ -114,11 +123,17 @@ const Shape* Cores::core_of(const ConvexHullPtr& hull, int level) {
 Impact first_touch(const MovingShape& a, int level, const MovingShape& b, const TimeOfImpactSettings& settings, Cores& cores) {
     Impact first;
     for_each_part(a, [&](const MovingShape& part_a) {
-        for_each_part(b, [&](const MovingShape& part_b) {
+        const auto meet = [&](const MovingShape& part_b) {
             const Impact impact = touch_parts(part_a, level, part_b, settings, cores);
             const bool sooner = may_touch(impact.status) && (!may_touch(first.status) || impact.t < first.t);
             if (sooner) first = impact;
-        });
+        };
+        const bool mesh_first = is_mesh(*part_a.shape) && level == 0;
+        if (b.motion.rotation == dvec3{0.0} && !mesh_first) {
+            meet(b);
+        } else {
+            for_each_part(b, meet);
+        }
     });
     return first;
 }
