@@ -1,4 +1,4 @@
-// carom cast MESH|SCENE|FILE: how fast rays are, whether any slips through, and a picture of what they see.
+// carom cast MESH|SCENE|FILE: how fast rays and shapes are, whether any slips through, and a picture of what they see.
 #include <carom/cli/build_info.hpp>
 #include <carom/cli/cast_rays.hpp>
 #include <carom/cli/cast_target.hpp>
@@ -37,6 +37,7 @@ struct CastOptions {
     std::string target;
     std::optional<int> bodies;
     CastSettings settings;
+    std::optional<double> radius;  // of the shape that is cast [m]
     int threads = 1;
     std::optional<std::string> json;
     std::string picture;  // empty: none
@@ -74,6 +75,8 @@ Json to_json(const CastTarget& target, const CastRecord& record, const CastOptio
             {"closed", mesh ? Json(target.mesh->closed) : Json(nullptr)},
             {"bodies", mesh ? Json(nullptr) : Json(target.scene->run.world.body_count())},
             {"rays", options.settings.rays},
+            {"shape", to_string(options.settings.mover)},
+            {"radius", record.radius},
             {"aim", options.settings.aim == Aim::Chords ? "chords" : "edges"},
             {"seed", options.settings.seed},
             {"threads", options.threads},
@@ -84,6 +87,7 @@ Json to_json(const CastTarget& target, const CastRecord& record, const CastOptio
             {"rays_per_s", record.time_s > 0.0 ? Json(static_cast<double>(options.settings.rays) / record.time_s) : Json(nullptr)},
             {"hits", record.hits},
             {"leaks", or_null(record.leaks)},
+            {"late", or_null(record.late)},
             {"answer_hash", to_hex(record.answer_hash)}};
 }
 
@@ -98,17 +102,23 @@ std::string summary(const CastTarget& target, const CastRecord& record, const Ca
     text += target.mesh ? fmt::format("{}, {}, built in {:.1f} ms\n", counted(target.mesh->data.triangles.size(), "triangle"),
                                       target.mesh->closed ? "closed" : "open", target.mesh->build_s * 1e3)
                         : counted(target.scene->run.world.body_count(), "body", "bodies") + "\n";
+    const Mover mover = options.settings.mover;
+    if (mover != Mover::Ray) text += fmt::format("cast          {} of radius {:.4g} m\n", to_string(mover), record.radius);
     text += fmt::format("rays          {} {}, seed {}, {}, SIMD width {}\n", options.settings.rays,
                         options.settings.aim == Aim::Chords ? "along chords" : "at edges and corners", options.settings.seed,
                         counted(static_cast<std::uint64_t>(options.threads), "thread"), simd_width());
     text += fmt::format("time          {:.3f} s, {:.3g} million rays a second\n", record.time_s, rays / record.time_s * 1e-6);
     text += fmt::format("hits          {}, {:.2f} %\n", record.hits, 100.0 * static_cast<double>(record.hits) / rays);
-    text += fmt::format("leaks         {}\n", record.leaks ? fmt::to_string(*record.leaks) : "- (not a closed mesh)");
+    if (record.late) text += fmt::format("late          {}\n", *record.late);
+    if (mover == Mover::Ray) text += fmt::format("leaks         {}\n", record.leaks ? fmt::to_string(*record.leaks) : "- (not a closed mesh)");
     return text + fmt::format("answer hash   {}\n", to_hex(record.answer_hash));
 }
 
 // What can be said before anything is loaded.
 Status check(const CastOptions& options) {
+    if (options.radius && !(*options.radius >= 1e-6 && *options.radius <= 1e6)) {
+        return Error{ErrorCode::InvalidArgument, fmt::format("{} m is not within 1e-6 .. 1e6 m", *options.radius), "--radius"};
+    }
     if (Result<PictureSize> size = parse_picture_size(options.size); !size) return size.error();
     if (options.picture == "-") return Error{ErrorCode::InvalidArgument, "a picture needs a file", "--picture"};
     if (!options.picture.empty()) {
@@ -137,6 +147,7 @@ ExitCode run(const CastOptions& options) {
         constexpr int kTicks = 1000;
         Progress progress(kTicks);
         CastSettings settings = options.settings;
+        settings.radius = options.radius.value_or(0.0);
         settings.progress = [&](std::uint64_t done) {
             progress.show(static_cast<int>(static_cast<double>(done) / static_cast<double>(settings.rays) * kTicks));
         };
@@ -149,15 +160,20 @@ ExitCode run(const CastOptions& options) {
     if (options.json != "-") {
         if (Status status = write_text("-", summary(*target, record, options)); !status) return fail(ExitCode::Failed, status.error());
     }
-    if (record.leaks.value_or(0) == 0) return ExitCode::Ok;
-    return fail(ExitCode::Failed, {ErrorCode::InvalidArgument, counted(*record.leaks, "ray") + " leaked", target->name});
+    if (record.leaks.value_or(0) > 0) {
+        return fail(ExitCode::Failed, {ErrorCode::InvalidArgument, counted(*record.leaks, "ray") + " leaked", target->name});
+    }
+    if (record.late.value_or(0) > 0) {
+        return fail(ExitCode::Failed, {ErrorCode::InvalidArgument, counted(*record.late, "cast") + " came late", target->name});
+    }
+    return ExitCode::Ok;
 }
 
 }  // namespace
 
 void add_cast_command(CLI::App& app, Action& action) {
     auto options = std::make_shared<CastOptions>();
-    CLI::App* command = app.add_subcommand("cast", "Casts rays at a mesh or a scene: speed, hits, leaks, and a picture.");
+    CLI::App* command = app.add_subcommand("cast", "Casts rays or shapes at a mesh or a scene: speed, hits, leaks, and a picture.");
     command->add_option("TARGET", options->target, "a mesh, a mesh file (.obj .off .ply .stl .gltf .glb), a scene (see carom list) or a scene file (.json)")->required();
     command->add_option("--bodies", options->bodies, "dynamic bodies of a scene that has a size")
         ->check(whole_number(0, scenes::kMaxSceneBodies));
@@ -166,6 +182,10 @@ void add_cast_command(CLI::App& app, Action& action) {
         ->check(whole_number(0, std::numeric_limits<std::uint64_t>::max()));
     add_choice<Aim>(*command, "--aim", options->settings.aim, {{"chords", Aim::Chords}, {"edges", Aim::Edges}},
                     "across the sphere round the target, or at edges and corners of a mesh");
+    CLI::Option* shape = add_choice<Mover>(*command, "--shape", options->settings.mover,
+                                           {{"ray", Mover::Ray}, {"ball", Mover::Ball}, {"capsule", Mover::Capsule}, {"box", Mover::Box}, {"hull", Mover::Hull}},
+                                           "what is cast along the rays");
+    command->add_option("--radius", options->radius, "of that shape [m], 1e-6 .. 1e6; without it a hundredth of the target's size")->needs(shape);
     command->add_option("--threads", options->threads, "threads; answers do not depend on it")->check(whole_number(1, 256));
     command->add_option("--json", options->json, "write the report into this file; - prints it, and nothing else");
     CLI::Option* picture = command->add_option("--picture", options->picture, "draw what rays see into this PNG file");

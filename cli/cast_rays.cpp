@@ -1,11 +1,10 @@
 #include <carom/cli/cast_rays.hpp>
 
+#include <carom/cli/cast_gun.hpp>
+#include <carom/cli/cast_shapes.hpp>
 #include <carom/collision/mesh_rays.hpp>
 #include <carom/core/hash.hpp>
-#include <carom/core/random.hpp>
 #include <carom/studies/accuracy/study.hpp>
-
-#include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <atomic>
@@ -17,43 +16,6 @@ namespace {
 constexpr std::uint64_t kBatch = 1 << 18;  // rays that are in memory at once
 constexpr std::size_t kGrain = 256;
 constexpr double kMissed = -1.0;
-
-// Where rays start and end.
-class Gun {
-public:
-    Gun(const CastTarget& target, const CastSettings& settings) : target_(target), aim_(settings.aim), random_(settings.seed) {
-        center_ = 0.5 * (target.bounds.lower + target.bounds.upper);
-        radius_ = 0.6 * glm::length(target.bounds.upper - target.bounds.lower);  // the box's corners are at 0.5
-    }
-    Ray next() {
-        const dvec3 from = on_sphere();
-        const dvec3 to = aim_ == Aim::Chords ? on_sphere() : on_edge();
-        return {.origin = from, .direction = glm::normalize(to - from)};
-    }
-
-private:
-    dvec3 on_sphere() {
-        for (;;) {
-            const double x = random_.range(-1.0, 1.0), y = random_.range(-1.0, 1.0);
-            const dvec3 p{x, y, random_.range(-1.0, 1.0)};
-            const double length = glm::length(p);
-            if (length > 0.1 && length < 1.0) return center_ + p * (radius_ / length);
-        }
-    }
-    // Every third time a corner, otherwise a point of an edge.
-    dvec3 on_edge() {
-        const MeshData& data = target_.mesh->data;
-        const auto index = static_cast<std::size_t>(random_.unit() * static_cast<double>(data.triangles.size()));
-        const auto& t = data.triangles[index];
-        return glm::mix(dvec3(data.vertices[t[0]]), dvec3(data.vertices[t[1]]), std::max(0.0, random_.range(-0.5, 1.0)));
-    }
-
-    const CastTarget& target_;
-    Aim aim_;
-    Random random_;
-    dvec3 center_{0.0};
-    double radius_ = 1.0;
-};
 
 // The batch's distances along unit directions, kMissed for a miss.
 double cast_at_mesh(const StaticBvh& bvh, const std::vector<geo::Ray<float>>& rays, std::vector<double>& distances,
@@ -99,9 +61,10 @@ std::uint64_t count_leaks(const StaticBvh& bvh, const std::vector<geo::Ray<float
 }  // namespace
 
 CastRecord cast_rays(const CastTarget& target, const CastSettings& settings, Executor& executor) {
+    if (settings.mover != Mover::Ray) return cast_shapes(target, settings, executor);
     CastRecord record;
     if (target.mesh && target.mesh->closed) record.leaks = 0;
-    Gun gun(target, settings);
+    CastGun gun(target, settings);
     StateHash hash;
     for (std::uint64_t done = 0; done < settings.rays;) {
         const std::uint64_t count = std::min(kBatch, settings.rays - done);

@@ -208,7 +208,7 @@ public:
     [[nodiscard]] std::optional<WorldImpact> cast_shape(const ShapeCast& cast) const;
     /// The first contact with each shape that is met, the earliest first; of several at one t, the body created first.
     [[nodiscard]] std::vector<WorldImpact> cast_shape_all(const ShapeCast& cast) const;
-    /// cast_shape() of many at once, on the world's executor: the same answers but for Impact::checks. Of batches above some sixty a hierarchy
+    /// cast_shape() of many at once, on the world's executor: the same answers but for Impact::checks. Of batches of 32 and more a hierarchy
     /// of the shapes as they stand is made first, and a cast then costs what it comes near to.
     /// @param out  (n,) as `casts`. Bad input in any: misuse, and nothing changes.
     void cast_shapes(std::span<const ShapeCast> casts, std::span<std::optional<WorldImpact>> out) const;

@@ -21,8 +21,8 @@ using dynamics::CastTarget;
 
 constexpr double kMostTurns = 1e9;  // [rad], of time_of_impact()
 constexpr std::size_t kGrain = 8;
-/// Making a hierarchy costs as much as some sixty scans of the shapes it is made of.
-constexpr std::size_t kCastsForIndex = 64, kTargetsForIndex = 32;
+/// Making a hierarchy costs as much as some thirty scans of the shapes it is made of.
+constexpr std::size_t kCastsForIndex = 32, kTargetsForIndex = 32;
 
 /// The first of what is met.
 class FirstMet {

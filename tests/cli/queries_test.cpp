@@ -144,6 +144,11 @@ TEST(Cast, BadInputIsNamed) {
     expect_refused({"cast", "single_body_spin", "--bodies", "5"}, {"bodies"});
     expect_refused({"cast", folder.write("one.json", R"({"bodies": []})"), "--bodies", "5"}, {"bodies"});
     expect_refused({"cast", "tall_stack", "--aim", "edges"}, {"--aim", "mesh"});
+    expect_refused({"cast", "teapot", "--shape", "moon"}, {"--shape", "moon", "ray, ball, capsule, box, hull"});
+    expect_refused({"cast", "teapot", "--radius", "0.1"}, {"--shape"});
+    for (const char* radius : {"0", "-1", "nan", "inf", "1e9"}) {
+        expect_refused({"cast", "teapot", "--shape", "ball", "--radius", radius}, {"--radius", "1e-6"});
+    }
     expect_refused({"cast", "teapot", "--view", "id"}, {"--picture"});
     expect_refused({"cast", "teapot", "--size", "10x10"}, {"--picture"});
     expect_refused({"cast", "teapot", "--picture", folder.path("p.png"), "--view", "heat"}, {"--view", "heat"});
@@ -187,6 +192,27 @@ TEST(Cast, NoRayAimedAtAnEdgeOfAClosedMeshLeaks) {
     EXPECT_EQ(json.at("aim"), "edges");
     EXPECT_EQ(json.at("leaks"), 0);
     EXPECT_GT(json.at("hits"), 49000) << "nearly all meet what they are aimed at; the rest pass by at the outline";
+}
+
+TEST(Cast, ShapesAreCastAndNoneComesLate) {
+    for (const char* target : {"tall_stack", "teapot"}) {
+        for (const char* shape : {"ball", "capsule", "box", "hull"}) {
+            const std::vector<std::string> arguments{"cast", target, "--shape", shape, "--rays", "300"};
+            const Json json = report(arguments);
+            EXPECT_EQ(json.at("shape"), shape);
+            EXPECT_GT(json.at("radius"), 0.0);
+            EXPECT_EQ(json.at("late"), 0) << shape;
+            EXPECT_TRUE(json.at("leaks").is_null());
+            EXPECT_GT(json.at("hits"), 30);
+            EXPECT_EQ(report(arguments).at("answer_hash"), json.at("answer_hash"));
+        }
+    }
+    const Json large = report({"cast", "tall_stack", "--shape", "ball", "--radius", "0.5", "--rays", "300"});
+    EXPECT_EQ(large.at("radius"), 0.5);
+    const Json rays = report({"cast", "tall_stack", "--rays", "300"});
+    EXPECT_EQ(rays.at("shape"), "ray");
+    EXPECT_TRUE(rays.at("late").is_null());
+    EXPECT_GE(large.at("hits"), rays.at("hits"));
 }
 
 // The file's vertices are three a triangle, so that "closed" says that they were welded.
