@@ -90,6 +90,8 @@ Json continuous_json(const ContinuousCounts& continuous) {
             {"impacts", continuous.impacts},
             {"clamped", continuous.clamped},
             {"stopped", continuous.stopped},
+            {"parted", continuous.parted},
+            {"slowed", continuous.slowed},
             {"overlapping", continuous.overlapping}};
 }
 

@@ -31,6 +31,8 @@ void add(ContinuousCounts& sum, const ContinuousCounts& step) {
     sum.impacts += step.impacts;
     sum.clamped += step.clamped;
     sum.stopped += step.stopped;
+    sum.parted += step.parted;
+    sum.slowed += step.slowed;
     sum.overlapping += step.overlapping;
 }
 

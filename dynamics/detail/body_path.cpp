@@ -30,13 +30,15 @@ dvec3 turn_between(const dquat& from, const dquat& to, const dvec3& about) noexc
 
 /// A bound of how fast the spin of a free body changes [rad/s²]. Euler's equations, with each component of the spin at the largest that energy and
 /// angular momentum allow.
-double most_spin_change(const BodyState& state, const BodyMass& mass, const FreeMotion& motion) noexcept {
+double most_spin_change(const BodyState& state, const BodyMass& mass, const FreeMotion& motion, double time) noexcept {
     if (mass.mass == 0.0) return 0.0;
     const dvec3 &moment = mass.moments, &inverse = mass.inverse_moments, spin = rotate_inverse(state.pose.orientation, state.spin), momentum = moment * spin;
-    const double twice_energy = glm::dot(momentum, spin), square = glm::dot(momentum, momentum);
-    const double pushed = glm::length(motion.torque) * std::max({inverse.x, inverse.y, inverse.z}) + motion.angular_damping * glm::length(spin);
+    const double torque = glm::length(motion.torque), most_inverse = std::max({inverse.x, inverse.y, inverse.z});
+    const double root = std::sqrt(glm::dot(momentum, spin)) + torque * time * std::sqrt(most_inverse), length = glm::length(momentum) + torque * time;
+    const double twice_energy = root * root, square = length * length;
+    const double pushed = torque * most_inverse + motion.angular_damping * glm::length(spin);
     if ((mass.locked & kLockedTurns) != 0) {
-        return pushed + glm::dot(spin, spin) * std::max({moment.x, moment.y, moment.z}) * std::max({inverse.x, inverse.y, inverse.z});
+        return pushed + square * most_inverse * most_inverse * std::max({moment.x, moment.y, moment.z}) * most_inverse;
     }
     if (mass.inertia == InertiaClass::Isotropic) return pushed;
     dvec3 most{0.0}, change{0.0};
@@ -45,7 +47,7 @@ double most_spin_change(const BodyState& state, const BodyMass& mass, const Free
         const int j = (i + 1) % 3, k = (i + 2) % 3;
         change[i] = std::abs(moment[j] - moment[k]) * inverse[i] * most[j] * most[k];
     }
-    if (mass.inertia == InertiaClass::Symmetric) {  // its share along the axis stays, and so does the rest's length
+    if (mass.inertia == InertiaClass::Symmetric && torque == 0.0) {  // its share along the axis stays, and so does the rest's length
         const int i = mass.axis, j = (i + 1) % 3, k = (i + 2) % 3;
         return pushed + std::abs(moment[i] - moment[j]) * inverse[j] * std::abs(spin[i]) * std::sqrt(spin[j] * spin[j] + spin[k] * spin[k]);
     }
@@ -69,7 +71,7 @@ void BodyPath::fly(const Flight& flight, const BodyMass& mass, double begin, con
     const FreeMotion& motion = flight.motion;
     const double pull = glm::length(motion.acceleration);
     most_pull_ = pull + motion.linear_damping * (glm::length(flight.start.velocity) + pull * settings.dt);
-    most_change_ = most_spin_change(flight.start, mass, motion);
+    most_change_ = most_spin_change(flight.start, mass, motion, settings.dt);
     nodes_.clear();
     add(flight.start, after(flight.start, 1.0 - begin), begin, 1.0, 0);
 }

@@ -67,7 +67,19 @@ bool Continuous::is_fast(const ContinuousScene& scene, std::uint32_t slot) const
     if (!moves(role) || wish == Continuity::Never || first_proxy_[slot] == first_proxy_[slot + 1]) return false;
     const BodySize& size = sizes_[slot];
     const BodyState& state = scene.bodies.states[slot];
-    const double reach = role == Role::Kinematic && has_plane(scene, slot) ? std::numeric_limits<double>::max() : size.reach, motion = motion_of(scene.start(slot), state, reach, scene.dt);
+    const bool flew = departures_[slot].step == step_;
+    if (role == Role::Dynamic && wish == Continuity::Automatic && !flew) {  // most bodies, without a root: (x + y)² <= 2 (x² + y²)
+        const dvec3 way = state.pose.position - scene.start(slot).position;
+        const double turn = size.reach * scene.dt, least = settings_.motion * size.extent;
+        if (2.0 * (glm::dot(way, way) + turn * turn * glm::dot(state.spin, state.spin)) <= least * least) return false;
+    }
+    const double reach = role == Role::Kinematic && has_plane(scene, slot) ? std::numeric_limits<double>::max() : size.reach;
+    double motion = motion_of(scene.start(slot), state, reach, scene.dt);
+    if (flew) {  // there and back is far too
+        const BodyState& start = departures_[slot].start;
+        const double way = std::max(glm::length(start.velocity), glm::length(state.velocity)) * scene.dt;
+        motion = std::max(motion, way + reach * std::min(glm::length(start.spin) * scene.dt, 2.0));
+    }
     if (wish == Continuity::Always) return motion > 0.0;
     return motion > settings_.motion * (role == Role::Kinematic ? smallest_ : size.extent);
 }
@@ -97,6 +109,7 @@ bool Continuous::strays(const ContinuousScene& scene, std::uint32_t proxy) const
 
 void Continuous::list_strays(const ContinuousScene& scene) {
     strays_.clear();
+    is_stray_.assign(scene.bodies.roles.size(), 0);
     for (std::uint32_t slot = 0; slot < scene.bodies.roles.size(); ++slot) {
         // A kinematic body goes where its velocity takes it, and what moves less than gravity may move it stays in its boxes.
         if (scene.bodies.roles[slot] != Role::Dynamic || !is_usable(scene.bodies.states[slot], scene.dt)) continue;
@@ -105,6 +118,7 @@ void Continuous::list_strays(const ContinuousScene& scene) {
         for (std::uint32_t k = first_proxy_[slot]; k < first_proxy_[slot + 1]; ++k) {
             if (!strays(scene, proxies_[k])) continue;
             strays_.push_back(slot);
+            is_stray_[slot] = 1;
             break;
         }
     }
@@ -118,7 +132,9 @@ BodyState Continuous::state_at(const ContinuousScene& scene, const Mover& mover,
         return state;
     }
     BodyState state = scene.bodies.states[mover.slot];
+    const dvec3 spin = rotate_inverse(state.pose.orientation, state.spin);  // in the body, with which it turns
     state.pose = pose_at(mover.path.piece(BodyPath::kWhole), t);
+    state.spin = rotate(state.pose.orientation, spin);
     return state;
 }
 
@@ -165,11 +181,11 @@ bool Continuous::may_meet(const ContinuousScene& scene, std::uint32_t p, std::ui
            agree(scene.proxies.filters[p], scene.proxies.filters[q]) && !scene.parted(body_p, body_q);
 }
 
-void Continuous::for_each_near(const ContinuousScene& scene, const Mover& mover, std::uint32_t proxy, FunctionRef<void(std::uint32_t q)> visit) {
-    ++look_;
+void Continuous::for_each_near(const ContinuousScene& scene, const Mover& mover, std::uint32_t proxy, Ask ask, FunctionRef<void(std::uint32_t q)> visit) {
+    const std::uint64_t look = ++look_;
     seen_.resize(scene.proxies.by_slot.size(), 0);
     const auto see = [&](std::uint32_t q) {
-        if (std::exchange(seen_[q], look_) != look_ && may_meet(scene, proxy, q)) visit(q);
+        if (std::exchange(seen_[q], look) != look && may_meet(scene, proxy, q)) visit(q);
         return true;
     };
     if (scene.proxies.kinds[proxy] == ProxyKind::Plane) {
@@ -179,9 +195,9 @@ void Continuous::for_each_near(const ContinuousScene& scene, const Mover& mover,
         return;
     }
     const double reach = scene.proxies.by_slot[proxy].reach;
-    const PathPiece& way = mover.path.piece(BodyPath::kWhole);
+    const PathPiece way = mover.path.piece(BodyPath::kWhole);  // a copy: visits split paths
     const dvec3 at = way.start.position - scene.proxies.origin, round{reach + way.sway};
-    query_swept_box(scene.broadphase, at - round, at + round, way.translation, see);
+    if (ask == Ask::Everybody) query_swept_box(scene.broadphase, at - round, at + round, way.translation, see);
     for (const std::uint32_t plane : scene.proxies.planes) see(plane);
     const Aabb box = box_of(way, reach);
     for (std::size_t k = 0; k < strays_.size(); ++k) {

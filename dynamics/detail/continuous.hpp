@@ -85,7 +85,7 @@ private:
         bool flies = false;     ///< along `flight`; else along a chord, or not at all
         bool changed = false;   ///< by an impact
         bool stopped = false;   ///< where it had its last impact, until the step is over
-        int impacts = 0;
+        int impacts = 0;        ///< in sixteenths
         std::uint32_t version = 0;
         BodyPath path;
     };
@@ -117,10 +117,14 @@ private:
     void lay_path(const ContinuousScene& scene, Mover& mover) const;
     [[nodiscard]] BodyState state_at(const ContinuousScene& scene, const Mover& mover, double t) const;
 
-    void for_each_near(const ContinuousScene& scene, const Mover& mover, std::uint32_t proxy, FunctionRef<void(std::uint32_t q)> visit);
+    /// Whom the broadphase is asked for; planes and strays are visited in any case.
+    enum class Ask : unsigned char { Everybody, StraysOnly };
+    void for_each_near(const ContinuousScene& scene, const Mover& mover, std::uint32_t proxy, Ask ask, FunctionRef<void(std::uint32_t q)> visit);
+    /// Pairs that the broadphase found for this step hold for who stayed in his boxes; who strayed asks anew.
+    void search_from_start(const ContinuousScene& scene);
     [[nodiscard]] bool may_meet(const ContinuousScene& scene, std::uint32_t p, std::uint32_t q) const;
     /// @param skip  the slot of a body that is left out.
-    void search_all(const ContinuousScene& scene, std::uint32_t mover, double from, std::uint32_t skip);
+    void search_all(const ContinuousScene& scene, std::uint32_t mover, double from, std::uint32_t skip, Ask ask = Ask::Everybody);
     void search(const ContinuousScene& scene, const Pair& pair, double from, int level);
     /// What a search is about.
     struct Search {
@@ -143,7 +147,8 @@ private:
 
     void resolve(const ContinuousScene& scene, const Event& event);
     void find_points(const ContinuousScene& scene, const Event& event, const BodyState& a, const BodyState& b);
-    void strike(const ContinuousScene& scene, std::uint32_t mover, double t, const BodyState& state, bool stop);
+    void part(const ContinuousScene& scene, const Event& event, Pose& a, Pose& b) const;
+    void strike(const ContinuousScene& scene, std::uint32_t mover, double t, const BodyState& state, bool stop, int blow);
 
     ContinuousSettings settings_;
     ContinuousCounts counts_;
@@ -159,6 +164,7 @@ private:
     std::vector<std::uint32_t> fast_;          // slots
     std::vector<unsigned char> is_fast_;       // by slot
     std::vector<std::uint32_t> strays_;        // slots
+    std::vector<unsigned char> is_stray_;      // by slot
     std::vector<std::uint32_t> mover_of_slot_;
     std::deque<Mover> movers_;
     std::size_t mover_count_ = 0;              // those beyond keep their memory
@@ -166,6 +172,8 @@ private:
     std::vector<std::uint64_t> seen_;          // by proxy: the look in which it was seen
     std::uint64_t look_ = 0;
     std::int64_t budget_ = 0;                  // impacts that are left in this step
+    std::int64_t pieces_left_ = 0;
+    std::size_t most_pairs_ = 0;
     Meeting meeting_;
     std::vector<Manifold> manifolds_;
     Cores cores_;

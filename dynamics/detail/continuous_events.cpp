@@ -11,7 +11,12 @@
 namespace carom::dynamics {
 namespace {
 
-constexpr std::int64_t kLeastBudget = 1024, kBudgetPerBody = 64;  // impacts in a step
+// In a step; what comes then stops where it is.
+constexpr std::int64_t kLeastBudget = 1024, kBudgetPerBody = 64;     // impacts
+constexpr std::int64_t kLeastPairs = 16384, kPairsPerBody = 256;     // times of impact
+constexpr std::int64_t kLeastPieces = 65536, kPiecesPerBody = 1024;  // pieces of paths that are looked at for them
+constexpr int kPush = 1, kImpact = 16;    // what goes to a body's account: what is kinematic goes on, and must not find it standing still
+constexpr double kOpening = 0.01;  // of the smallest extent, by which two that are struck while they touch are moved apart
 constexpr int kLevelOfContacts = 4;        // at which contacts of the solver are watched
 constexpr double kCoarse = 0.25;          // of the reach: pieces that bend more are split without a look
 constexpr double kToleranceShare = 1e-4;  // of the smallest extent: how near a search comes
@@ -29,9 +34,13 @@ void Continuous::run(const ContinuousScene& scene) {
     events_.clear();
     is_fast_.assign(slots, 0);
     for (const std::uint32_t slot : fast_) is_fast_[slot] = 1;
-    budget_ = kLeastBudget + kBudgetPerBody * static_cast<std::int64_t>(fast_.size());
+    const auto followed = static_cast<std::int64_t>(fast_.size());
+    budget_ = kLeastBudget + kBudgetPerBody * followed;
+    most_pairs_ = static_cast<std::size_t>(kLeastPairs + kPairsPerBody * followed);
+    pieces_left_ = kLeastPieces + kPiecesPerBody * followed;
+    cores_.forget_unused();
     list_strays(scene);
-    for (const std::uint32_t slot : fast_) search_all(scene, mover_of(scene, slot), 0.0, kNone);
+    search_from_start(scene);
     while (!events_.empty()) {
         std::pop_heap(events_.begin(), events_.end(), Event::later);
         const Event event = events_.back();
@@ -43,11 +52,28 @@ void Continuous::run(const ContinuousScene& scene) {
     }
 }
 
-// A has mass; where both have, it is one that a core can be made of, rather the one that is followed.
+void Continuous::search_from_start(const ContinuousScene& scene) {
+    const PairUpdate& found = scene.broadphase.result();
+    const bool complete = found.status == PairStatus::Complete;
+    const auto asks = [&](std::uint32_t slot) { return !complete || is_stray_[slot] != 0; };
+    if (complete) {
+        for (const ProxyPair& pair : found.pairs) {
+            const std::uint32_t a = scene.proxies.bodies[pair.a], b = scene.proxies.bodies[pair.b];
+            if ((is_fast_[a] | is_fast_[b]) == 0 || (is_stray_[a] | is_stray_[b]) != 0 || !may_meet(scene, pair.a, pair.b)) continue;
+            search(scene, order(scene, pair.a, pair.b), 0.0, 0);
+        }
+    }
+    if (complete && strays_.empty() && scene.proxies.planes.empty()) return;
+    for (const std::uint32_t slot : fast_) search_all(scene, mover_of(scene, slot), 0.0, kNone, asks(slot) ? Ask::Everybody : Ask::StraysOnly);
+}
+
+// A has mass; where both have, it is the thicker one, of which more is left when it is thinned, but a mesh only if both are.
 Continuous::Pair Continuous::order(const ContinuousScene& scene, std::uint32_t p, std::uint32_t q) const {
     const auto mass = [&](std::uint32_t proxy) { return has_mass(scene.bodies.roles[scene.proxies.bodies[proxy]]); };
     const auto mesh = [&](std::uint32_t proxy) { return type_of(scene.proxies.by_slot[proxy].shape) == ShapeType::TriangleMesh; };
-    const bool swap = mass(p) != mass(q) ? mass(q) : mesh(p) && !mesh(q);
+    const double size_p = scene.proxies.extents[p], size_q = scene.proxies.extents[q];
+    const bool larger = size_q > size_p || (size_q == size_p && q < p);
+    const bool swap = mass(p) != mass(q) ? mass(q) : mesh(p) != mesh(q) ? mesh(p) : larger;
     return swap ? Pair{q, p} : Pair{p, q};
 }
 
@@ -56,11 +82,11 @@ double Continuous::size_of(const ContinuousScene& scene, const Pair& pair) const
                                                                                                   : scene.proxies.extents[pair.b]);
 }
 
-void Continuous::search_all(const ContinuousScene& scene, std::uint32_t number, double from, std::uint32_t skip) {
+void Continuous::search_all(const ContinuousScene& scene, std::uint32_t number, double from, std::uint32_t skip, Ask ask) {
     const Mover& mover = movers_[number];
     for (std::uint32_t k = first_proxy_[mover.slot]; k < first_proxy_[mover.slot + 1]; ++k) {
         const std::uint32_t p = proxies_[k];
-        for_each_near(scene, mover, p, [&](std::uint32_t q) {
+        for_each_near(scene, mover, p, ask, [&](std::uint32_t q) {
             const std::uint32_t other = scene.proxies.bodies[q];
             const bool other_asks = from == 0.0 && is_fast_[other] != 0 && other < mover.slot;
             if (other != skip && !other_asks) search(scene, order(scene, p, q), from, 0);
@@ -75,6 +101,7 @@ bool Continuous::touch(Search& search, double begin, double end, std::uint32_t n
     const Aabb box_b = search.still ? *search.still : box_of(b, search.proxy_b->reach);
     if (!overlaps(box_of(a, search.proxy_a->reach), box_b)) return false;
     const double bend = a.bend + b.bend;
+    if (--pieces_left_ < 0) budget_ = 0;
     const bool split_a = path_a.can_split(number_a) && (a.bend >= b.bend || !path_b.can_split(number_b)), split_b = !split_a && path_b.can_split(number_b);
     if (!(split_a || split_b) || bend < kCoarse * search.proxy_a->reach) {
         search.shape_a.motion = shape_motion(a, search.proxy_a->local);
@@ -114,7 +141,7 @@ void Continuous::search(const ContinuousScene& scene, const Pair& pair, double f
     if (role == Role::Static || scene.proxies.kinds[pair.b] == ProxyKind::Plane) {
         search.still = scene.proxies.kinds[pair.b] == ProxyKind::Plane ? kEverywhere : bounds(search.proxy_b->shape, scene.proxies.poses[pair.b]);
     }
-    ++counts_.pairs;
+    if (++counts_.pairs > most_pairs_) budget_ = 0;
     if (!touch(search, from, 1.0, BodyPath::kWhole, BodyPath::kWhole)) return;
     counts_.clamped += search.impact.status == ImpactStatus::Clamped ? 1 : 0;
     // What touches from the start is the solver's.
@@ -134,7 +161,7 @@ void Continuous::search_deeper(const ContinuousScene& scene, const Pair& pair, d
     for (const std::uint32_t proxy : {pair.a, pair.b}) {
         const std::uint32_t slot = scene.proxies.bodies[proxy], number = mover_of_slot_[slot];
         if (!has_mass(scene.bodies.roles[slot]) || movers_[number].stopped) continue;
-        strike(scene, number, from, state_at(scene, movers_[number], from), true);
+        strike(scene, number, from, state_at(scene, movers_[number], from), true, kImpact);
         search_all(scene, number, from, kNone);
     }
 }
@@ -182,20 +209,37 @@ void Continuous::resolve(const ContinuousScene& scene, const Event& event) {
         ++counts_.impacts;
         --budget_;
         meeting_.resolve();
+        if (event.level > 0) {
+            part(scene, event, state_a.pose, state_b.pose);
+            ++counts_.parted;
+        }
     } else if (!stop && a.flies && (b.flies || !b_gives_way)) {
         return search_deeper(scene, event.pair, event.t, event.level);
     }
     state_a.velocity = meeting_.a.velocity, state_a.spin = meeting_.a.spin;
     state_b.velocity = meeting_.b.velocity, state_b.spin = meeting_.b.spin;
-    strike(scene, number_a, event.t, state_a, stop);
-    if (b_gives_way) strike(scene, number_b, event.t, state_b, stop);
+    const bool pushed = scene.bodies.roles[slot_b] == Role::Kinematic;
+    strike(scene, number_a, event.t, state_a, stop, pushed ? kPush : kImpact);
+    if (b_gives_way) strike(scene, number_b, event.t, state_b, stop, kImpact);
     search_all(scene, number_a, event.t, kNone);
     if (b_gives_way) search_all(scene, number_b, event.t, slot_a);
 }
 
+// Two that are struck while they touch: moved a little apart, each by the other's share of the mass, so that they can be watched at the level that they have come to.
+// Without it each blow would let them a level deeper.
+void Continuous::part(const ContinuousScene& scene, const Event& event, Pose& a, Pose& b) const {
+    const std::uint32_t slot_a = scene.proxies.bodies[event.pair.a], slot_b = scene.proxies.bodies[event.pair.b];
+    const BodyMass &mass_a = scene.bodies.masses[slot_a], &mass_b = scene.bodies.masses[slot_b];
+    const bool b_gives_way = has_mass(scene.bodies.roles[slot_b]);
+    const double share = b_gives_way ? mass_b.mass / (mass_a.mass + mass_b.mass) : 1.0;
+    const dvec3 apart = (event.bend + (kToleranceShare + kOpening) * size_of(scene, event.pair)) * meeting_.points.front().normal;
+    a.position -= share * apart * free_moves(mass_a.locked);
+    if (b_gives_way) b.position += (1.0 - share) * apart * free_moves(mass_b.locked);
+}
+
 // The rest of the step begins anew for a body that was struck, or whose chord would go on where its velocity does not. What the solver had moved
 // has had its share of gravity. What meets a body that is stopped stops as well.
-void Continuous::strike(const ContinuousScene& scene, std::uint32_t number, double t, const BodyState& state, bool stop) {
+void Continuous::strike(const ContinuousScene& scene, std::uint32_t number, double t, const BodyState& state, bool stop, int blow) {
     Mover& mover = movers_[number];
     if (scene.bodies.roles[mover.slot] == Role::Asleep) scene.wake(mover.slot);
     if (!mover.flies) mover.flight.motion = {.spin_tolerance = scene.free_motion(mover.slot).spin_tolerance};
@@ -203,8 +247,13 @@ void Continuous::strike(const ContinuousScene& scene, std::uint32_t number, doub
     if (!mover.stopped) mover.since = t;
     mover.flies = mover.changed = true;
     ++mover.version;
-    ++mover.impacts;
-    if (!mover.stopped && (stop || mover.impacts >= settings_.most_impacts || budget_ <= 0)) {
+    mover.impacts += blow;
+    const double turn = glm::length(state.spin) * scene.dt;
+    if (turn > kMostTurn) {
+        mover.flight.start.spin *= 0.99 * kMostTurn / turn;
+        ++counts_.slowed;
+    }
+    if (!mover.stopped && (stop || mover.impacts >= kImpact * settings_.most_impacts || budget_ <= 0)) {
         mover.stopped = true;
         ++counts_.stopped;
     }

@@ -45,7 +45,7 @@ Core core_of(const Shape& shape, double rest) {
                           [&](const Cone& c) {
                               // Smaller about the centre of the ball that touches it from inside.
                               const double radius = c.radius, height = 2.0 * static_cast<double>(c.half_height);
-                              const double inside = radius * height / (radius + std::hypot(radius, height));
+                              const double inside = radius * height / (radius + std::sqrt(radius * radius + height * height));
                               return Core{Cone{left * c.radius, left * c.half_height}, {0.0, (1.0 - rest) * (inside - 0.5 * height), 0.0}};
                           },
                           [&](const auto& other) { return Core{other}; },
@@ -106,6 +106,10 @@ const Shape* Cores::find(const std::shared_ptr<const void>& of, int level, const
     const Result<ConvexHullPtr> hull = make();
     hulls_.push_back({of, level, hull ? Shape{*hull} : Shape{}, hull.has_value()});
     return hull ? &hulls_.back().shape : nullptr;
+}
+
+void Cores::forget_unused() {
+    std::erase_if(hulls_, [](const Hull& known) { return known.of.use_count() == 1; });
 }
 
 const Shape* Cores::hull_of(const TriangleMeshPtr& mesh) {

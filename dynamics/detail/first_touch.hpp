@@ -24,6 +24,9 @@ public:
     [[nodiscard]] const Shape* hull_of(const TriangleMeshPtr& mesh);
     [[nodiscard]] const Shape* core_of(const ConvexHullPtr& hull, int level);
 
+    /// Lets go of what nobody else holds.
+    void forget_unused();
+
 private:
     struct Hull {
         std::shared_ptr<const void> of;

@@ -8,7 +8,7 @@
 namespace carom::dynamics {
 namespace {
 
-constexpr int kMostSweeps = 200;
+constexpr int kMostSweeps = 2000;
 constexpr double kSettled = 1e-14;  // of the largest impulse
 
 dvec3 velocity_at(const Meeter& m, const dvec3& point) noexcept { return m.velocity + glm::cross(m.spin, point - m.centre); }
