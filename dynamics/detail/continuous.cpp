@@ -174,6 +174,45 @@ std::uint32_t Continuous::mover_of(const ContinuousScene& scene, std::uint32_t s
     return number;
 }
 
+bool Continuous::keep_company(const ContinuousScene& scene, std::uint32_t slot_a, std::uint32_t slot_b) const {
+    if (continuity(slot_a) == Continuity::Always || continuity(slot_b) == Continuity::Always) return false;
+    const auto& roles = scene.bodies.roles;
+    const BodyState &a = scene.bodies.states[slot_a], &b = scene.bodies.states[slot_b];
+    const auto way = [&](std::uint32_t slot) { return moves(roles[slot]) ? scene.bodies.states[slot].pose.position - scene.start(slot).position : dvec3{0.0}; };
+    double motion = std::max(glm::length(way(slot_a) - way(slot_b)), glm::length(a.velocity - b.velocity) * scene.dt), extent = std::numeric_limits<double>::infinity();
+    const auto flew = [&](std::uint32_t slot) { return departures_[slot].step == step_; };
+    if (flew(slot_a) || flew(slot_b)) {
+        const dvec3 from_a = flew(slot_a) ? departures_[slot_a].start.velocity : a.velocity, from_b = flew(slot_b) ? departures_[slot_b].start.velocity : b.velocity;
+        motion = std::max(motion, glm::length(from_a - from_b) * scene.dt);
+    }
+    for (const std::uint32_t slot : {slot_a, slot_b}) {
+        const double spin = std::max(glm::length(scene.bodies.states[slot].spin), flew(slot) ? glm::length(departures_[slot].start.spin) : 0.0);
+        if (spin > 0.0 && roles[slot] == Role::Kinematic && has_plane(scene, slot)) return false;
+        motion += sizes_[slot].reach * std::min(spin * scene.dt, 2.0);
+        if (has_mass(roles[slot])) extent = std::min(extent, sizes_[slot].extent);
+    }
+    return motion <= settings_.motion * extent;
+}
+
+bool Continuous::stay_together(const ContinuousScene& scene, std::uint32_t slot_a, std::uint32_t slot_b) const {
+    double motion = 0.0, extent = std::numeric_limits<double>::infinity();
+    dvec3 velocity[2]{dvec3{0.0}, dvec3{0.0}};
+    int side = 0;
+    for (const std::uint32_t slot : {slot_a, slot_b}) {
+        const Role role = scene.bodies.roles[slot];
+        const Mover* const mover = mover_of_slot_[slot] == kNone ? nullptr : &movers_[mover_of_slot_[slot]];
+        const BodyState& state = mover != nullptr && mover->flies ? mover->flight.start : scene.bodies.states[slot];
+        if (state.spin != dvec3{0.0} && role == Role::Kinematic && has_plane(scene, slot)) return false;
+        if (moves(role) && (mover == nullptr || !mover->stopped)) {
+            velocity[side] = state.velocity;
+            motion += sizes_[slot].reach * std::min(glm::length(state.spin) * scene.dt, 2.0);
+        }
+        if (has_mass(role)) extent = std::min(extent, sizes_[slot].extent);
+        ++side;
+    }
+    return motion + glm::length(velocity[0] - velocity[1]) * scene.dt <= settings_.motion * extent;
+}
+
 bool Continuous::may_meet(const ContinuousScene& scene, std::uint32_t p, std::uint32_t q) const {
     const std::uint32_t body_p = scene.proxies.bodies[p], body_q = scene.proxies.bodies[q];
     const Role role_p = scene.bodies.roles[body_p], role_q = scene.bodies.roles[body_q];

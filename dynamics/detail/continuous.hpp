@@ -122,6 +122,10 @@ private:
     void for_each_near(const ContinuousScene& scene, const Mover& mover, std::uint32_t proxy, Ask ask, FunctionRef<void(std::uint32_t q)> visit);
     /// Pairs that the broadphase found for this step hold for who stayed in his boxes; who strayed asks anew.
     void search_from_start(const ContinuousScene& scene);
+    /// Whether the two came so little way against each other that neither's middle can have come to where the other was not near: as in a crowd that falls.
+    [[nodiscard]] bool keep_company(const ContinuousScene& scene, std::uint32_t slot_a, std::uint32_t slot_b) const;
+    /// The same of the rest of a step, by the velocities that the two have now.
+    [[nodiscard]] bool stay_together(const ContinuousScene& scene, std::uint32_t slot_a, std::uint32_t slot_b) const;
     [[nodiscard]] bool may_meet(const ContinuousScene& scene, std::uint32_t p, std::uint32_t q) const;
     /// @param skip  the slot of a body that is left out.
     void search_all(const ContinuousScene& scene, std::uint32_t mover, double from, std::uint32_t skip, Ask ask = Ask::Everybody);

@@ -59,7 +59,7 @@ void Continuous::search_from_start(const ContinuousScene& scene) {
     if (complete) {
         for (const ProxyPair& pair : found.pairs) {
             const std::uint32_t a = scene.proxies.bodies[pair.a], b = scene.proxies.bodies[pair.b];
-            if ((is_fast_[a] | is_fast_[b]) == 0 || (is_stray_[a] | is_stray_[b]) != 0 || !may_meet(scene, pair.a, pair.b)) continue;
+            if ((is_fast_[a] | is_fast_[b]) == 0 || (is_stray_[a] | is_stray_[b]) != 0 || keep_company(scene, a, b) || !may_meet(scene, pair.a, pair.b)) continue;
             search(scene, order(scene, pair.a, pair.b), 0.0, 0);
         }
     }
@@ -89,6 +89,7 @@ void Continuous::search_all(const ContinuousScene& scene, std::uint32_t number, 
         for_each_near(scene, mover, p, ask, [&](std::uint32_t q) {
             const std::uint32_t other = scene.proxies.bodies[q];
             const bool other_asks = from == 0.0 && is_fast_[other] != 0 && other < mover.slot;
+            if (from == 0.0 ? keep_company(scene, mover.slot, other) : stay_together(scene, mover.slot, other)) return;
             if (other != skip && !other_asks) search(scene, order(scene, p, q), from, 0);
         });
     }
@@ -204,7 +205,7 @@ void Continuous::resolve(const ContinuousScene& scene, const Event& event) {
     find_points(scene, event, state_a, state_b);
     meeting_.a = meeter_of(state_a, scene.bodies.masses[slot_a], true);
     meeting_.b = meeter_of(state_b, scene.bodies.masses[slot_b], b_gives_way);
-    const bool stop = a.stopped || b.stopped;
+    bool stop = a.stopped || b.stopped;
     if (meeting_.approaches(kSlowShare * size_of(scene, event.pair) / scene.dt)) {
         ++counts_.impacts;
         --budget_;
@@ -213,7 +214,14 @@ void Continuous::resolve(const ContinuousScene& scene, const Event& event) {
             part(scene, event, state_a.pose, state_b.pose);
             ++counts_.parted;
         }
-    } else if (!stop && a.flies && (b.flies || !b_gives_way)) {
+    } else if (stop) {  // only what comes nearer to where the other stands
+        if (a.stopped) meeting_.a.velocity = meeting_.a.spin = dvec3{0.0};
+        if (b.stopped) meeting_.b.velocity = meeting_.b.spin = dvec3{0.0};
+        stop = meeting_.approaches(kSlowShare * size_of(scene, event.pair) / scene.dt);
+        if (!stop) return search_deeper(scene, event.pair, event.t, event.level);
+        meeting_.a.velocity = state_a.velocity, meeting_.a.spin = state_a.spin;
+        meeting_.b.velocity = state_b.velocity, meeting_.b.spin = state_b.spin;
+    } else if (a.flies && (b.flies || !b_gives_way)) {
         return search_deeper(scene, event.pair, event.t, event.level);
     }
     state_a.velocity = meeting_.a.velocity, state_a.spin = meeting_.a.spin;
