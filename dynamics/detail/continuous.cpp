@@ -12,8 +12,6 @@ namespace {
 // By how much a piece of a path may bend: shares of the smallest extent, and of the reach.
 constexpr double kBendShare = 0.01, kReachShare = 2e-4;
 
-bool agree(const ProxyFilter& a, const ProxyFilter& b) noexcept { return (a.layer & b.mask) != 0 && (b.layer & a.mask) != 0; }
-
 bool moves(Role role) noexcept { return role == Role::Dynamic || role == Role::Kinematic; }
 
 /// How far a point of a body may be from where it was, at most.
@@ -217,7 +215,7 @@ bool Continuous::may_meet(const ContinuousScene& scene, std::uint32_t p, std::ui
     const std::uint32_t body_p = scene.proxies.bodies[p], body_q = scene.proxies.bodies[q];
     const Role role_p = scene.bodies.roles[body_p], role_q = scene.bodies.roles[body_q];
     return body_p != body_q && role_q != Role::Absent && (has_mass(role_p) || has_mass(role_q)) &&
-           agree(scene.proxies.filters[p], scene.proxies.filters[q]) && !scene.parted(body_p, body_q);
+           filters_agree(scene.proxies.filters[p], scene.proxies.filters[q]) && !scene.parted(body_p, body_q);
 }
 
 void Continuous::for_each_near(const ContinuousScene& scene, const Mover& mover, std::uint32_t proxy, Ask ask, FunctionRef<void(std::uint32_t q)> visit) {

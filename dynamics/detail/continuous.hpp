@@ -23,7 +23,6 @@
 #include <carom/narrowphase/collide.hpp>
 
 #include <cstdint>
-#include <span>
 #include <deque>
 #include <optional>
 #include <tuple>
@@ -47,7 +46,6 @@ struct ContinuousScene {
 class Continuous {
 public:
     explicit Continuous(const ContinuousSettings& settings) : settings_(settings) {}
-    [[nodiscard]] bool is_on() const noexcept { return settings_.enabled; }
 
     /// A body came to the slot.
     void begin(std::uint32_t slot, Continuity continuity);

@@ -42,10 +42,6 @@ void sweep_one(ProxySet& set, std::uint32_t i, const BodyState& state, bool is_s
 
 std::uint64_t pack(std::uint32_t high, std::uint32_t low) { return (std::uint64_t{high} << 32) | low; }
 
-bool filters_agree(const ProxyFilter& a, const ProxyFilter& b) {
-    return (a.layer & b.mask) != 0 && (b.layer & a.mask) != 0;
-}
-
 /// How high over the half-space's surface the box's corner is that lies deepest, less `motion`.
 double gap_over(const dvec3& origin, const FloatAabb& box, const Pose& pose, const Plane& plane, double motion) {
     const dvec3 normal = rotate(pose.orientation, dvec3{plane.normal});

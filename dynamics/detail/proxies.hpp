@@ -107,6 +107,9 @@ void put_proxy(ProxySet& set, Proxy proxy, const ProxyFilter& filter);
 /// Frees a slot; nothing where it is free.
 void drop_proxy(ProxySet& set, std::uint32_t slot);
 
+/// @return whether each of the two has a layer that the other meets.
+[[nodiscard]] inline bool filters_agree(const ProxyFilter& a, const ProxyFilter& b) noexcept { return (a.layer & b.mask) != 0 && (b.layer & a.mask) != 0; }
+
 /// Predicted motion of a step.
 struct Motion {
     dvec3 gravity{0.0};
