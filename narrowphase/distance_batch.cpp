@@ -53,9 +53,10 @@ struct Chunk {
     std::array<detail::LaneBoxes, kChunk> boxes;
     std::array<detail::LaneCores, kChunk> cores;
     std::array<std::uint16_t, kChunk> box_of, core_of;  // pair in the chunk
-    std::array<detail::LaneVerdicts, kChunk / kBundleWidth> of_boxes;
+    std::array<Overlap, kChunk> of_boxes;
     std::array<detail::LaneResult, kChunk> of_cores;
     std::size_t box_count = 0, core_count = 0;
+    std::size_t leading = 0;  // pairs of boxes before the first other one
 };
 // Kept from call to call, since clearing it takes as long as the work.
 Chunk& thread_chunk() {
@@ -97,16 +98,16 @@ public:
     /// Pairs that have not, two boxes for their own kernel. Whether the poses of boxes are finite is left to that: it proves nothing of others.
     /// @return whether all is well so far; what is not is left out.
     [[nodiscard]] bool sort_and_check(std::size_t first, std::size_t count, Chunk& chunk) const noexcept {
-        chunk.box_count = chunk.core_count = 0;
-        const std::size_t shape_count = placed_.shapes.size();
+        chunk.leading = add_leading_boxes(first, count, chunk.boxes.data());
+        chunk.box_count = chunk.leading;
+        chunk.core_count = 0;
         bool fit = true;
-        for (std::size_t i = 0; i < count; ++i) {
+        for (std::size_t i = chunk.leading; i < count; ++i) {
             const NumberedPair& p = pairs_[first + i];
-            const Shape *const a = p.a < shape_count ? placed_.shapes[p.a] : nullptr, *const b = p.b < shape_count ? placed_.shapes[p.b] : nullptr;
-            const Box *const box_a = std::get_if<Box>(a), *const box_b = std::get_if<Box>(b);
-            if (box_a != nullptr && box_b != nullptr) [[likely]] {
+            const Shape *const a = shape(p.a), *const b = shape(p.b);
+            if (are_boxes(a, b)) {
                 chunk.box_of[chunk.box_count] = static_cast<std::uint16_t>(i);
-                chunk.boxes[chunk.box_count++] = {{&placed_.poses[p.a], &placed_.poses[p.b]}, &box_a->half_extents, &box_b->half_extents};
+                chunk.boxes[chunk.box_count++] = boxes_of(p, a, b);
             } else if (plainly_fit(a) && plainly_fit(b) && has_finite_poses(i + first)) {
                 add_cores(i, p, chunk);
             } else {
@@ -130,6 +131,27 @@ public:
     }
 
 private:
+    // @return null for none.
+    [[nodiscard]] const Shape* shape(std::uint32_t number) const noexcept {
+        return number < placed_.shapes.size() ? placed_.shapes[number] : nullptr;
+    }
+    [[nodiscard]] static bool are_boxes(const Shape* a, const Shape* b) noexcept {
+        return a != nullptr && b != nullptr && std::holds_alternative<Box>(*a) && std::holds_alternative<Box>(*b);
+    }
+    [[nodiscard]] detail::LaneBoxes boxes_of(const NumberedPair& p, const Shape* a, const Shape* b) const noexcept {
+        return {{&placed_.poses[p.a], &placed_.poses[p.b]}, &std::get_if<Box>(a)->half_extents, &std::get_if<Box>(b)->half_extents};
+    }
+    std::size_t add_leading_boxes(std::size_t first, std::size_t count, detail::LaneBoxes* to) const noexcept {
+        const Batch self = *this;  // which no write to `to` changes
+        for (std::size_t i = 0; i < count; ++i) {
+            const NumberedPair& p = self.pairs_[first + i];
+            const Shape *const a = self.shape(p.a), *const b = self.shape(p.b);
+            if (!are_boxes(a, b)) return i;
+            to[i] = self.boxes_of(p, a, b);
+        }
+        return count;
+    }
+
     void add_cores(std::size_t i, const NumberedPair& p, Chunk& chunk) const noexcept {
         detail::LaneCores& cores = chunk.cores[chunk.core_count];
         cores.place = {&placed_.poses[p.a], &placed_.poses[p.b]};
@@ -174,9 +196,10 @@ bool find_verdicts(const Batch& batch, std::size_t first, std::span<Overlap> out
         std::ranges::fill(out, Overlap::Undecided);
         for (std::size_t k = 0; k < chunk.core_count; ++k) out[chunk.core_of[k]] = of_cores[k].verdict;
     }
-    for (std::size_t k = 0; k < chunk.box_count; ++k) out[chunk.box_of[k]] = of_boxes[k / kBundleWidth].of(k % kBundleWidth);
-    for (std::size_t i = 0; i < out.size(); ++i) {
-        if (out[i] != Overlap::Undecided) continue;
+    std::copy_n(of_boxes.begin(), chunk.leading, out.begin());
+    for (std::size_t k = chunk.leading; k < chunk.box_count; ++k) out[chunk.box_of[k]] = of_boxes[k];
+    for (auto undecided = out.begin(); (undecided = std::find(undecided, out.end(), Overlap::Undecided)) != out.end(); ++undecided) {
+        const auto i = static_cast<std::size_t>(undecided - out.begin());
         if (!batch.has_finite_poses(first + i)) return false;
         out[i] = batch.verdict_of(first + i);
     }
@@ -189,7 +212,8 @@ void distance(const PlacedShapes& placed, std::span<const NumberedPair> pairs, E
               std::vector<DistanceResult>& out, const DistanceSettings& settings) {
     const detail::PairFault fault = find_fault(placed, pairs);
     CAROM_REQUIRE(fault.what == nullptr, fault.code, fault.what);
-    CAROM_REQUIRE(caches.empty() || caches.size() == pairs.size(), ErrorCode::InvalidArgument, "distance: caches and pairs differ in number");
+    CAROM_REQUIRE(caches.empty() || caches.size() == pairs.size(), ErrorCode::InvalidArgument,
+                  "distance: caches and pairs differ in number");
     const char* const wrong = detail::settings_fault(settings);
     CAROM_REQUIRE(wrong == nullptr, ErrorCode::InvalidArgument, wrong);
     out.resize(pairs.size());
@@ -215,7 +239,8 @@ void overlaps(const PlacedShapes& placed, std::span<const NumberedPair> pairs, E
         const Batch batch(placed, pairs);
         executor.parallel_for(pairs.size(), kChunk, [&](std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; i += kChunk) {
-                if (!find_verdicts(batch, i, std::span(found).subspan(i, std::min(kChunk, end - i)))) fit.store(false, std::memory_order_relaxed);
+                if (!find_verdicts(batch, i, std::span(found).subspan(i, std::min(kChunk, end - i))))
+                    fit.store(false, std::memory_order_relaxed);
             }
         });
     }

@@ -17,105 +17,189 @@ HWY_BEFORE_NAMESPACE();
 namespace carom::detail::HWY_NAMESPACE {
 namespace {
 
-// What the axes say so far.
-struct Verdicts {
-    Mask apart, unclear;
-
-    // `length` is that of the axis or more, which the gap is in units of.
-    HWY_INLINE void judge(Floats gap, Floats error) {
-        apart = apart | (gap > error);
-        unclear = unclear | (!(gap < -error));
-    }
+// What decides about a pair once it lies in A's frame.
+struct Pair {
+    Floats r[3][3], t[3], a[3], b[3];
+    Floats error;  // of a separation along a unit direction
+};
+struct PlacedPair {
+    Pair pair;
+    Mask fit;  // for floats
 };
 
-HWY_INLINE Verdicts judge_axes(const Placement& p, const Floats (&a)[3], const Floats (&b)[3], Floats error) {
-    const auto& r = p.rotation;
-    const auto& t = p.offset;
-    Floats size[3][3];
-    Verdicts v{t[0] != t[0], t[0] != t[0]};
+HWY_INLINE Floats square(Floats x) { return x * x; }
+HWY_INLINE Floats least(const Floats (&x)[3]) { return min(min(x[0], x[1]), x[2]); }
+
+HWY_INLINE Ints verdict(Mask apart, Mask overlapping) {
+    return select(apart, Ints(int(Overlap::Apart)), select(overlapping, Ints(int(Overlap::Overlapping)), Ints(int(Overlap::Undecided))));
+}
+
+// What the six axes of faces say, whose greatest gap is `gap`, and the distance of either centre from the other box: where it is less than the radius
+// of the ball that the box about that centre holds, the two overlap.
+HWY_INLINE Ints judge_faces(const Pair& p, Floats& gap) {
+    const Floats zero(0.0f);
+    Floats gap_a[3], gap_b[3], past_a[3], past_b[3];
 #pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) {
-#pragma GCC unroll 3
-        for (int j = 0; j < 3; ++j) size[i][j] = abs(r[i][j]);
-        v.judge(abs(t[i]) - (a[i] + ((size[i][0] * b[0] + size[i][1] * b[1]) + size[i][2] * b[2])), error);
+        past_a[i] = abs(p.t[i]) - p.a[i];
+        gap_a[i] = past_a[i] - ((abs(p.r[i][0]) * p.b[0] + abs(p.r[i][1]) * p.b[1]) + abs(p.r[i][2]) * p.b[2]);
     }
 #pragma GCC unroll 3
     for (int j = 0; j < 3; ++j) {
-        const Floats along = (r[0][j] * t[0] + r[1][j] * t[1]) + r[2][j] * t[2];
-        v.judge(abs(along) - (b[j] + ((size[0][j] * a[0] + size[1][j] * a[1]) + size[2][j] * a[2])), error);
+        const Floats along = (p.r[0][j] * p.t[0] + p.r[1][j] * p.t[1]) + p.r[2][j] * p.t[2];
+        past_b[j] = abs(along) - p.b[j];
+        gap_b[j] = past_b[j] - ((abs(p.r[0][j]) * p.a[0] + abs(p.r[1][j]) * p.a[1]) + abs(p.r[2][j]) * p.a[2]);
     }
-    if (all(v.apart)) return v;
+    gap = max(max(max(gap_a[0], gap_a[1]), gap_a[2]), max(max(gap_b[0], gap_b[1]), gap_b[2]));
+    const auto reached = [&](const Floats(&past)[3], const Floats(&other)[3]) {
+        const Floats room = max(least(other) - p.error, zero);
+        return (square(max(past[0], zero)) + square(max(past[1], zero))) + square(max(past[2], zero)) < square(room);
+    };
+    return verdict(gap > p.error, reached(past_a, p.b) | reached(past_b, p.a));
+}
+
+// What the nine axes of edges say besides. Edges that are parallel have no axis: theirs is below the least error of one that is longer than 1e-12,
+// and so decides nothing.
+HWY_INLINE Ints judge_edges(const Pair& p, Floats face_gap) {
+    const auto& r = p.r;
+    const Floats nothing = p.error * Floats(1e-15f);
+    Floats apart = face_gap - p.error, unclear = face_gap + p.error;
 #pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) {
         const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+        Floats minor[3];  // without column j
 #pragma GCC unroll 3
         for (int j = 0; j < 3; ++j) {
             const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
-            const Floats reach_1 = abs(r[i1][j] * r[i2][j1] - r[i2][j] * r[i1][j1]), reach_2 = abs(r[i1][j] * r[i2][j2] - r[i2][j] * r[i1][j2]);
-            const Floats reach = (a[i1] * size[i2][j] + a[i2] * size[i1][j]) + (b[j1] * reach_1 + b[j2] * reach_2);
-            const Floats along = abs(t[i2] * r[i1][j] - t[i1] * r[i2][j]);
-            // Edges parallel to 1e-12 have the axes of the faces, to as much.
-            const Floats length = size[i1][j] + size[i2][j];
-            const Mask is_axis = length > Floats(1e-12f);
-            const Floats slack = error * length, gap = along - reach;
-            v.apart = v.apart | (is_axis & (gap > slack));
-            v.unclear = v.unclear | (is_axis & (!(gap < -slack)));
+            minor[j] = abs(r[i1][j1] * r[i2][j2] - r[i2][j1] * r[i1][j2]);
+        }
+#pragma GCC unroll 3
+        for (int j = 0; j < 3; ++j) {
+            const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
+            const Floats size_1 = abs(r[i1][j]), size_2 = abs(r[i2][j]);
+            const Floats reach = (p.a[i1] * size_2 + p.a[i2] * size_1) + (p.b[j1] * minor[j2] + p.b[j2] * minor[j1]);
+            const Floats gap = abs(p.t[i2] * r[i1][j] - p.t[i1] * r[i2][j]) - reach;
+            const Floats slack = p.error * (size_1 + size_2);  // the length of the axis or more, which the gap is in units of
+            apart = max(apart, gap - slack);
+            unclear = max(unclear, gap + (slack - nothing));
         }
     }
-    return v;
+    const Floats zero(0.0f);
+    return verdict(apart > zero, unclear < zero);
 }
 
-// A box's half extents and a number that means nothing: a Box is the first member of a Shape, which is longer than four floats.
-static_assert(sizeof(Shape) >= 16 && sizeof(Box) == 12);
-HWY_INLINE void write_half(const vec3* half, float* row) {
-#if HWY_TARGET == HWY_SCALAR
-    row[0] = half->x, row[1] = half->y, row[2] = half->z, row[3] = 0.0f;
-#else
-    const hn::Simd<float, 4, 0> four;
-    hn::Store(hn::LoadU(four, &half->x), four, row);
-#endif
-}
+// Pairs that faces leave open, side by side until there are as many as lanes.
+class OpenPairs {
+public:
+    HWY_INLINE explicit OpenPairs(Overlap* verdicts) : verdicts_(verdicts) {}
 
-// Poses are read once, in the order of the pairs, which need not be that of memory.
-HWY_INLINE void fetch(const LanePlace& place) {
-    for (const Pose* const pose : {place.a, place.b}) {
-        hwy::Prefetch(pose);
-        hwy::Prefetch(&pose->orientation.w);
+    // Pairs from `first` on, those of `open`.
+    HWY_INLINE void add(const Pair& p, Floats gap, Mask open, std::int32_t first) {
+        const std::size_t added = compress_store(lane_numbers() + Ints(first), open, pair_ + count_);
+        const auto put = [&](std::size_t k, Floats x) { compress_store(as_ints(x), open, number_[k] + count_); };
+#pragma GCC unroll 3
+        for (std::size_t i = 0; i < 3; ++i) {
+            put(i, p.r[i][0]), put(3 + i, p.r[i][1]), put(6 + i, p.r[i][2]);
+            put(9 + i, p.t[i]), put(12 + i, p.a[i]), put(15 + i, p.b[i]);
+        }
+        put(18, p.error), put(19, gap);
+        count_ += added;
+        if (count_ >= kRoom / 2) judge(kRoom / 2);
     }
-}
-
-// Pairs from `first`, as many as there are lanes; beyond the last the first stands in.
-HWY_INLINE LaneVerdicts judge_pairs(std::span<const LaneBoxes> pairs, std::size_t first) {
-    constexpr int kRows = kLanes < 4 ? 4 : kLanes;
-    alignas(64) float rows[kRows * 12], halves[kRows * 8];
-    alignas(64) constexpr std::int32_t kInOrder[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
-    for (int l = 0; l < kLanes; ++l) {
-        const std::size_t i = first + static_cast<std::size_t>(l);
-        const LaneBoxes& pair = pairs[i < pairs.size() ? i : 0];
-        write_row(pair.place, rows + 12 * l);
-        write_half(pair.half_a, halves + 8 * l);
-        write_half(pair.half_b, halves + 8 * l + 4);
+    HWY_INLINE void finish() {
+        if (count_ > 0) judge(count_);
     }
-    Floats a[3], b[3], nothing;
-    gather_rows(halves, kInOrder, 8, 0, a[0], a[1], a[2], nothing);
-    gather_rows(halves, kInOrder, 8, 4, b[0], b[1], b[2], nothing);
-    const Placement p = placement_of(rows);
-    const Floats size = ((abs(p.offset[0]) + abs(p.offset[1])) + abs(p.offset[2])) + (((a[0] + a[1]) + a[2]) + ((b[0] + b[1]) + b[2]));
-    const Mask fit = p.fit & (size > Floats(kSmallestLaneSize)) & (size < Floats(kLargestLaneSize));
-    const Verdicts v = judge_axes(p, a, b, size * Floats(kLaneRounding));
-    return {bits(v.apart & fit), bits(fit & (!v.unclear))};
+
+private:
+    // The last `count`.
+    HWY_INLINE void judge(std::size_t count) {
+        count_ -= count;
+        const auto get = [&](std::size_t k) { return as_floats(load_unaligned(number_[k] + count_)); };
+        const Pair p{{{get(0), get(3), get(6)}, {get(1), get(4), get(7)}, {get(2), get(5), get(8)}},
+                     {get(9), get(10), get(11)},
+                     {get(12), get(13), get(14)},
+                     {get(15), get(16), get(17)},
+                     get(18)};
+        alignas(64) std::int32_t found[kRoom / 2];
+        store(judge_edges(p, get(19)), found);
+        for (std::size_t l = 0; l < count; ++l) verdicts_[pair_[count_ + l]] = static_cast<Overlap>(found[l]);
+    }
+
+    static constexpr std::size_t kRoom = 2 * static_cast<std::size_t>(kLanes);  // fewer than kLanes wait, and as many at most are added
+    Overlap* verdicts_;
+    std::size_t count_ = 0;
+    std::int32_t pair_[kRoom] = {};
+    std::int32_t number_[20][kRoom] = {};
+};
+
+// Pairs this far ahead are fetched: poses are read once, in the order of the pairs, which need not be that of memory.
+constexpr std::size_t kAhead = 40;
+
+HWY_INLINE void fetch(const LaneBoxes& pair) {
+    hwy::Prefetch(&pair.place.a->orientation);
+    hwy::Prefetch(&pair.place.b->orientation);
 }
 
-void OverlapBoxes(std::span<const LaneBoxes> pairs, LaneVerdicts* verdicts) {
-    for (std::size_t first = 0; first < pairs.size(); first += kBundleWidth) {
-        for (std::size_t next = first + kBundleWidth; next < std::min(first + 2 * kBundleWidth, pairs.size()); ++next) fetch(pairs[next].place);
-        LaneVerdicts& all = verdicts[first / kBundleWidth] = {};
-        for (int lane = 0; lane < kBundleWidth; lane += kLanes) {
-            const LaneVerdicts v = judge_pairs(pairs, first + static_cast<std::size_t>(lane));
-            all.apart |= v.apart << lane;
-            all.overlapping |= v.overlapping << lane;
+// As many pairs as there are lanes.
+HWY_INLINE void write_pairs(const LaneBoxes* pairs, LaneRows<5>& rows) {
+    for (int block = 0; block < kLanes; block += 4) {
+#pragma GCC unroll 4
+        for (int lane = block; lane < block + std::min(4, kLanes); ++lane) {
+            write_place(pairs[lane].place, lane, rows);
+            write_half(pairs[lane].half_a, rows.at(lane, 3));
+            write_half(pairs[lane].half_b, rows.at(lane, 4));
         }
     }
+}
+
+HWY_INLINE PlacedPair read_pair(const LaneRows<5>& rows) {
+    Floats ax, ay, az, bx, by, bz, nothing;
+    rows.read(3, ax, ay, az, nothing);
+    rows.read(4, bx, by, bz, nothing);
+    const Placement place = placement_of(rows);
+    const auto& r = place.rotation;
+    const auto& t = place.offset;
+    const Floats size = ((abs(t[0]) + abs(t[1])) + abs(t[2])) + (((ax + ay) + az) + ((bx + by) + bz));
+    return {{{{r[0][0], r[0][1], r[0][2]}, {r[1][0], r[1][1], r[1][2]}, {r[2][0], r[2][1], r[2][2]}},
+             {t[0], t[1], t[2]},
+             {ax, ay, az},
+             {bx, by, bz},
+             size * Floats(kLaneRounding)},
+            place.fit & (size > Floats(kSmallestLaneSize)) & (size < Floats(kLargestLaneSize))};
+}
+
+HWY_INLINE void store_verdicts(Ints verdicts, Overlap* to) {
+    const hn::Rebind<std::uint8_t, IntTag> bytes;
+    hn::StoreU(hn::DemoteTo(bytes, verdicts.raw), bytes, reinterpret_cast<std::uint8_t*>(to));
+}
+
+void OverlapBoxes(std::span<const LaneBoxes> pairs, Overlap* verdicts) {
+    constexpr auto kStep = static_cast<std::size_t>(kLanes);
+    OpenPairs open(verdicts);
+    LaneRows<5> rows[2];
+    // Rows are written one step ahead, so that reads do not wait for narrower writes. Where there are too few pairs the last stands in.
+    const auto write_ahead = [&](std::size_t first, LaneRows<5>& to) {
+        if (first + kStep <= pairs.size()) {
+            write_pairs(pairs.data() + first, to);
+        } else if (first < pairs.size()) {
+            LaneBoxes last[kStep];
+            for (std::size_t l = 0; l < kStep; ++l) last[l] = pairs[std::min(first + l, pairs.size() - 1)];
+            write_pairs(last, to);
+        }
+    };
+    for (std::size_t i = 0; i < std::min(kAhead, pairs.size()); ++i) fetch(pairs[i]);
+    write_ahead(0, rows[0]);
+    for (std::size_t first = 0, turn = 0; first < pairs.size(); first += kStep, turn ^= 1) {
+        for (std::size_t i = first + kAhead; i < std::min(first + kAhead + kStep, pairs.size()); ++i) fetch(pairs[i]);
+        write_ahead(first + kStep, rows[turn ^ 1]);
+        const PlacedPair p = read_pair(rows[turn]);
+        Floats gap;
+        const Ints undecided(int(Overlap::Undecided)), found = select(p.fit, judge_faces(p.pair, gap), undecided);
+        store_verdicts(found, verdicts + first);
+        const Mask left = p.fit & (found == undecided) & first_lanes(static_cast<int>(std::min(kStep, pairs.size() - first)));
+        open.add(p.pair, gap, left, static_cast<std::int32_t>(first));
+    }
+    open.finish();
 }
 
 }  // namespace
@@ -125,6 +209,6 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace carom::detail {
 HWY_EXPORT(OverlapBoxes);
-void overlap_boxes(std::span<const LaneBoxes> pairs, LaneVerdicts* verdicts) { HWY_DYNAMIC_DISPATCH(OverlapBoxes)(pairs, verdicts); }
+void overlap_boxes(std::span<const LaneBoxes> pairs, Overlap* verdicts) { HWY_DYNAMIC_DISPATCH(OverlapBoxes)(pairs, verdicts); }
 }  // namespace carom::detail
 #endif

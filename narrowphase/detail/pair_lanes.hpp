@@ -65,21 +65,12 @@ struct LaneResult {
     DistanceCache simplex;
 };
 
-/// What is proved of sixteen pairs, pair i in bit i.
-struct LaneVerdicts {
-    std::uint32_t apart = 0, overlapping = 0;
-    [[nodiscard]] Overlap of(std::size_t i) const noexcept {
-        static_assert(int(Overlap::Apart) == 0 && int(Overlap::Overlapping) == 1 && int(Overlap::Undecided) == 2);
-        const std::uint32_t joined = (apart >> i & 1u) ^ 1u, sure = overlapping >> i & 1u;
-        return static_cast<Overlap>(joined + (joined & (sure ^ 1u)));
-    }
-};
-
-/// @param verdicts  (bundle_count(n),)
-/// Method: Gottschalk, Lin, Manocha (1996). B's axes as rounded describe a box that is a little skew, and all products are taken from
+/// @param verdicts  (n,), and room for as many as fill the last bundle.
+/// Method: Gottschalk, Lin, Manocha (1996), faces first. B's axes as rounded describe a box that is a little skew, and all products are taken from
 /// them as they are; so along an edge axis, of whatever length s, the separation errs by its share of s, and the fifteen axes decide of the
-/// skew box what they decide of a true one.
-void overlap_boxes(std::span<const LaneBoxes> pairs, LaneVerdicts* verdicts);
+/// skew box what they decide of a true one. A box holds a ball of its least half extent about its centre, so two overlap where one's centre is nearer to the
+/// other box than that. Of random pairs of which half overlap, faces and balls leave a fifth to the axes of edges.
+void overlap_boxes(std::span<const LaneBoxes> pairs, Overlap* verdicts);
 
 /// @param results  (n,). In a search for the distance those that are apart are Undecided, with their simplex.
 /// Method: GJK in lockstep, a lane a pair; supports pair by pair, over the vertices; the simplex across lanes. A lane that is done takes

@@ -1,6 +1,8 @@
 // Pairs of poses to lanes: where B lies in A's frame, in float, sixteen pairs at a time.
 //
-//   Placement p = place_lanes([&](int lane) { return pairs[lane].place; });   // p.rotation[i][j], p.offset[i], p.fit
+//   LaneRows<3> rows;
+//   for (int lane = 0; lane < kLanes; ++lane) write_place(pairs[lane].place, lane, rows);
+//   Placement p = placement_of(rows);   // p.rotation[i][j], p.offset[i], p.fit
 
 // This guard lets the file through once for each target.
 #if defined(CAROM_NARROWPHASE_PLACE_LANES_HPP) == defined(HWY_TARGET_TOGGLE)
@@ -28,15 +30,39 @@ struct Placement {
     Mask fit;               ///< both orientations are of unit length to 2^-20.5, and the offset is finite
 };
 
+// Numbers of each lane on their way to lanes, in columns of four floats: written a lane at a time, read a column of all lanes at a time. They lie as
+// transposes take them, so that a column is read by loads of whole vectors, where gather_rows() puts each together from four parts. Reads wait for the
+// narrower writes before them to leave the core: write what comes next before reading what was written.
+template <int columns>
+struct LaneRows {
+    static constexpr int kRows = kLanes < 4 ? 4 : kLanes;
+    alignas(64) float block[columns * 4 * kRows];
+
+    /// @return where the four floats of a column of a lane go, 16-byte aligned.
+    HWY_INLINE float* at(int lane, int column) { return block + (4 * kRows * column + kRows * (lane & 3) + (lane & ~3)); }
+    HWY_INLINE void read(int column, Floats& a, Floats& b, Floats& c, Floats& d) const {
+        const float* const from = block + 4 * kRows * column;
 #if HWY_TARGET == HWY_SCALAR
-HWY_INLINE void write_row(const LanePlace& place, float* row) {
-    const double *const a = &place.a->position.x, *const b = &place.b->position.x;
-    for (int k = 0; k < 4; ++k) {
-        row[k] = static_cast<float>(b[k] - a[k]);
-        row[4 + k] = static_cast<float>(a[3 + k]);
-        row[8 + k] = static_cast<float>(b[3 + k]);
+        a = from[0], b = from[1], c = from[2], d = from[3];
+#else
+        a = load(from), b = load(from + kLanes), c = load(from + 2 * kLanes), d = load(from + 3 * kLanes);
+        transpose_blocks(a, b, c, d);
+#endif
     }
-}
+};
+
+#if HWY_TARGET == HWY_SCALAR
+// Four doubles.
+struct FourDoubles {
+    double all[4];
+    HWY_INLINE explicit FourDoubles(const double* from) : all{from[0], from[1], from[2], from[3]} {}
+    HWY_INLINE void subtract(const FourDoubles& other) {
+        for (int k = 0; k < 4; ++k) all[k] -= other.all[k];
+    }
+    HWY_INLINE void narrow(float* to) const {
+        for (int k = 0; k < 4; ++k) to[k] = static_cast<float>(all[k]);
+    }
+};
 #else
 // Four doubles, as one vector or two.
 struct FourDoubles {
@@ -58,25 +84,25 @@ struct FourDoubles {
 #endif
     using BlockFloats = hn::Simd<float, 4, 0>;
 };
+#endif
 
-// Of each pair twelve floats, in stores as wide as they are read: the difference of the positions and a number that means nothing, A's
-// quaternion, B's.
-HWY_INLINE void write_row(const LanePlace& place, float* row) {
+// Columns 0 to 2 of a lane: the difference of the positions and a number that means nothing, A's quaternion, B's.
+template <int columns>
+HWY_INLINE void write_place(const LanePlace& place, int lane, LaneRows<columns>& rows) {
     const double *const a = &place.a->position.x, *const b = &place.b->position.x;
     FourDoubles between(b);
     between.subtract(FourDoubles(a));
-    between.narrow(row);
-    FourDoubles(a + 3).narrow(row + 4);
-    FourDoubles(b + 3).narrow(row + 8);
+    between.narrow(rows.at(lane, 0));
+    FourDoubles(a + 3).narrow(rows.at(lane, 1));
+    FourDoubles(b + 3).narrow(rows.at(lane, 2));
 }
-#endif
 
-HWY_INLINE Placement placement_of(const float* rows) {
-    alignas(64) constexpr std::int32_t kInOrder[16] = {0, 1, 2, 3, 4, 5, 6, 7, 8, 9, 10, 11, 12, 13, 14, 15};
+template <int columns>
+HWY_INLINE Placement placement_of(const LaneRows<columns>& rows) {
     Floats dx, dy, dz, none_, ax, ay, az, aw, bx, by, bz, bw;
-    gather_rows(rows, kInOrder, 12, 0, dx, dy, dz, none_);
-    gather_rows(rows, kInOrder, 12, 4, ax, ay, az, aw);
-    gather_rows(rows, kInOrder, 12, 8, bx, by, bz, bw);
+    rows.read(0, dx, dy, dz, none_);
+    rows.read(1, ax, ay, az, aw);
+    rows.read(2, bx, by, bz, bw);
     const Floats3 u{ax, ay, az}, v{bx, by, bz}, d{dx, dy, dz};
     const Floats one(1.0f), slack(0x1p-21f);
     const Mask unit_a = abs((dot(u, u) + aw * aw) - one) < slack, unit_b = abs((dot(v, v) + bw * bw) - one) < slack;
@@ -94,6 +120,17 @@ HWY_INLINE Placement placement_of(const float* rows) {
     return {{{one - (yy + zz), xy - wz, xz + wy}, {xy + wz, one - (xx + zz), yz - wx}, {xz - wy, yz + wx, one - (xx + yy)}},
             {offset.x, offset.y, offset.z},
             unit_a & unit_b & near};
+}
+
+// A box's half extents and a number that means nothing: a Box is the first member of a Shape, which is longer than four floats.
+static_assert(sizeof(Shape) >= 16 && sizeof(Box) == 12);
+HWY_INLINE void write_half(const vec3* half, float* row) {
+#if HWY_TARGET == HWY_SCALAR
+    row[0] = half->x, row[1] = half->y, row[2] = half->z, row[3] = 0.0f;
+#else
+    const hn::Simd<float, 4, 0> four;
+    hn::Store(hn::LoadU(four, &half->x), four, row);
+#endif
 }
 
 }  // namespace carom::detail::HWY_NAMESPACE

@@ -31,12 +31,12 @@ struct PairBundle {
 // Sixteen searches under way.
 struct State {
     PairBundle pair;
-    FloatBundle w[3][3];              // of corner k, coordinate i
-    IntBundle a[3], b[3], count;      // the simplex
-    FloatBundle v[3], v_sq;           // the direction, from a to b: the simplex's point nearest to the origin
-    FloatBundle along_b[3];           // -v in B's frame
+    FloatBundle w[3][3];          // of corner k, coordinate i
+    IntBundle a[3], b[3], count;  // the simplex
+    FloatBundle v[3], v_sq;       // the direction, from a to b: the simplex's point nearest to the origin
+    FloatBundle along_b[3];       // -v in B's frame
     FloatBundle point_a[3], point_b[3];
-    IntBundle index_a, index_b;       // support points, in their own frames
+    IntBundle index_a, index_b;  // support points, in their own frames
     IntBundle rounds;
     std::array<const LaneCores*, kBundleWidth> cores{};
     std::array<std::uint32_t, kBundleWidth> number{};
@@ -116,17 +116,19 @@ public:
 private:
     // Brings the next sixteen pairs into A's frames.
     void place_next() {
-        alignas(64) float rows[16 * 12], size[16], radii[16];
+        alignas(64) float size[16], radii[16];
         const std::size_t count = std::min<std::size_t>(kBundleWidth, pairs_.size() - next_);
-        for (std::size_t l = 0; l < kBundleWidth; ++l) {
-            const LaneCores& pair = pairs_[next_ + (l < count ? l : 0)];
-            write_row(pair.place, rows + 12 * l);
-            radii[l] = pair.a.radius + pair.b.radius;
-            size[l] = (pair.a.reach + pair.b.reach) + radii[l];
-        }
         ready_.fit = 0;
         for (int lane = 0; lane < kBundleWidth; lane += kLanes) {
-            const Placement p = placement_of(rows + 12 * lane);
+            LaneRows<3> rows;
+            for (int l = 0; l < kLanes; ++l) {
+                const auto i = static_cast<std::size_t>(lane + l);
+                const LaneCores& pair = pairs_[next_ + (i < count ? i : 0)];
+                write_place(pair.place, l, rows);
+                radii[i] = pair.a.radius + pair.b.radius;
+                size[i] = (pair.a.reach + pair.b.reach) + radii[i];
+            }
+            const Placement p = placement_of(rows);
             for (int i = 0; i < 3; ++i) {
                 for (int j = 0; j < 3; ++j) store(p.rotation[i][j], ready_.rotation[i][j].lane + lane);
                 store(p.offset[i], ready_.offset[i].lane + lane);
@@ -188,7 +190,9 @@ private:
 
     // @return the lanes that are done, whose verdicts are set.
     unsigned step(int lane) {
-        const auto three = [lane](const FloatBundle* b) { return Floats3{load(b[0].lane + lane), load(b[1].lane + lane), load(b[2].lane + lane)}; };
+        const auto three = [lane](const FloatBundle* b) {
+            return Floats3{load(b[0].lane + lane), load(b[1].lane + lane), load(b[2].lane + lane)};
+        };
         const auto row = [&](int i) { return three(state_.pair.rotation[i]); };
         const Floats3 v = three(state_.v), b = three(state_.point_b);
         const Floats3 turned{dot(row(0), b), dot(row(1), b), dot(row(2), b)};
@@ -196,7 +200,9 @@ private:
                            load(state_.index_b.lane + lane));
         const Floats error = load(state_.pair.error.lane + lane), radii = load(state_.pair.radii.lane + lane);
         const Floats v_sq = load(state_.v_sq.lane + lane), far = length(v), plane = dot(v, q.w);
-        const auto corner = [&](int k) { return WideCorner(three(state_.w[k]), load(state_.a[k].lane + lane), load(state_.b[k].lane + lane)); };
+        const auto corner = [&](int k) {
+            return WideCorner(three(state_.w[k]), load(state_.a[k].lane + lane), load(state_.b[k].lane + lane));
+        };
         const WideSimplex simplex{{corner(0), corner(1), corner(2)}, load(state_.count.lane + lane)};
         // Nearer than the error, because double goes on from here, and each round of its own costs more.
         Mask met = (v_sq - plane <= Floats(0x1p-4f) * error * far) & (simplex.count > Ints(0));
