@@ -92,7 +92,6 @@ ConvexCore core_of(const Shape& shape, const dquat& orientation, const dvec3& ce
 }
 
 CorePair core_pair(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b) noexcept {
-    CorePair pair;
     // A quarter of the way, which does not overflow.
     const dvec3 quarter = 0.25 * pose_b.position - 0.25 * pose_a.position;
     const double size = std::max({largest(quarter), reach_of(a) + core_radius(a), reach_of(b) + core_radius(b)});
@@ -100,10 +99,10 @@ CorePair core_pair(const Shape& a, const Pose& pose_a, const Shape& b, const Pos
     std::frexp(size, &exponent);  // size is below 2^exponent
     exponent = std::min(exponent, 1020);
     const double shrink = std::ldexp(1.0, -exponent);
-    pair.unit = std::ldexp(1.0, exponent);
     const dvec3 between = (4.0 * shrink) * quarter;
-    pair.a = core_of(a, pose_a.orientation, dvec3{0.0}, shrink);
-    pair.b = core_of(b, pose_b.orientation, between, shrink);
+    CorePair pair{.a = core_of(a, pose_a.orientation, dvec3{0.0}, shrink),
+                  .b = core_of(b, pose_b.orientation, between, shrink),
+                  .unit = std::ldexp(1.0, exponent)};
     pair.rounding = 0x1p-46 * (glm::length(between) + pair.a.reach + pair.b.reach + pair.a.radius + pair.b.radius);
     return pair;
 }

@@ -9,7 +9,6 @@
 
 #include <glm/geometric.hpp>
 
-#include <array>
 #include <cstddef>
 
 namespace carom::detail {
@@ -23,21 +22,36 @@ struct Corner {
     double weight = 1.0;
 };
 
-/// Corners whose weights give its point.
-struct Simplex {
-    std::array<Corner, 4> corners;
+/// Corners whose weights give its point. Only those that are there are made and copied: the others would cost a search as much as its arithmetic.
+class Simplex {
+public:
     int count = 0;
 
-    [[nodiscard]] const Corner& operator[](int i) const noexcept { return corners[static_cast<std::size_t>(i)]; }
+    Simplex() noexcept {}
+    Simplex(const Simplex& other) noexcept { *this = other; }
+    Simplex& operator=(const Simplex& other) noexcept {
+        for (int i = 0; i < other.count; ++i) corners_[i].corner = other[i];
+        count = other.count;
+        return *this;
+    }
+
+    [[nodiscard]] const Corner& operator[](int i) const noexcept { return corners_[i].corner; }
     void add(const Corner& c, double weight) noexcept {
-        corners[static_cast<std::size_t>(count)] = c;
-        corners[static_cast<std::size_t>(count++)].weight = weight;
+        corners_[count].corner = c;
+        corners_[count++].corner.weight = weight;
     }
     [[nodiscard]] dvec3 point() const noexcept {
         dvec3 sum{0.0};
         for (int i = 0; i < count; ++i) sum += (*this)[i].weight * (*this)[i].w;
         return sum;
     }
+
+private:
+    union Place {
+        Corner corner;
+        Place() noexcept {}
+    };
+    Place corners_[4];
 };
 
 [[nodiscard]] inline bool same(const Corner& a, const Corner& b) noexcept {
