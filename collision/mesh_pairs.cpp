@@ -2,11 +2,11 @@
 #include <carom/collision/detail/wide_pairs.hpp>
 #include <carom/collision/mesh_pairs.hpp>
 #include <carom/core/check.hpp>
-#include <carom/core/radix_sort.hpp>
+
+#include <hwy/contrib/sort/vqsort.h>
 
 #include <algorithm>
 #include <array>
-#include <bit>
 #include <utility>
 
 namespace carom {
@@ -59,48 +59,17 @@ void for_each_pair(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a, b
     }, {.deepest_first = deepest_first});
 }
 
-/// Sorts `keys`, which all differ, by one pass into buckets and a look at neighbours: where keys are spread out, half the time of radix_sort().
-/// @return false where too many of them fall into the same buckets; then they are left as they are.
-bool spread_sort(std::vector<std::uint64_t>& keys, std::vector<std::uint64_t>& sorted) {
-    constexpr std::size_t kMostBuckets = 2048, kMostSteps = 24;  // back, of a key, in the mean at worst
-    const std::size_t n = keys.size();
-    const auto [least, greatest] = std::minmax_element(keys.begin(), keys.end());
-    const std::uint64_t start = *least;
-    const std::size_t buckets = std::min(kMostBuckets, std::bit_ceil(2 * n));
-    const auto shift = static_cast<unsigned>(std::max(0, static_cast<int>(std::bit_width(*greatest - start)) - static_cast<int>(std::bit_width(buckets - 1))));
-    std::array<std::uint32_t, kMostBuckets> place;
-    std::fill_n(place.begin(), buckets, 0u);
-    for (const std::uint64_t key : keys) ++place[(key - start) >> shift];
-    std::uint32_t before = 0;
-    std::size_t steps = 0;
-    for (std::size_t k = 0; k < buckets; ++k) {
-        steps += std::size_t{place[k]} * place[k];
-        before += std::exchange(place[k], before);
-    }
-    if (steps > 2 * kMostSteps * n) return false;
-    sorted.resize(n);
-    for (const std::uint64_t key : keys) sorted[place[(key - start) >> shift]++] = key;
-    for (std::size_t k = 1; k < n; ++k) {
-        const std::uint64_t key = sorted[k];
-        std::size_t at = k;
-        for (; at > 0 && sorted[at - 1] > key; --at) sorted[at] = sorted[at - 1];
-        sorted[at] = key;
-    }
-    keys.swap(sorted);
-    return true;
-}
-
 /// Sorts without allocating once the calling thread's buffers have grown.
 void sort_pairs(std::vector<TrianglePair>& pairs) {
-    thread_local RadixScratch scratch;
-    thread_local std::vector<std::uint64_t> keys, sorted;
-    thread_local std::vector<std::uint32_t> payload;
-    if (pairs.size() < 2) return;
+    constexpr std::size_t kFew = 64;  // below, std::sort() is as fast
+    thread_local const hwy::Sorter sorter;
+    thread_local std::vector<std::uint64_t> keys;
     keys.clear();
     for (const TrianglePair& pair : pairs) keys.push_back(std::uint64_t{pair.a} << 32 | pair.b);
-    if (!spread_sort(keys, sorted)) {
-        payload.resize(keys.size());
-        radix_sort(keys, payload, scratch);
+    if (keys.size() < kFew) {
+        std::ranges::sort(keys);
+    } else {
+        sorter(keys.data(), keys.size(), hwy::SortAscending());
     }
     for (std::size_t k = 0; k < keys.size(); ++k) {
         pairs[k] = {static_cast<std::uint32_t>(keys[k] >> 32), static_cast<std::uint32_t>(keys[k])};

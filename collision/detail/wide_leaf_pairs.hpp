@@ -80,12 +80,12 @@ HWY_INLINE unsigned overlapping_deep(const Bounds& boxes, BoxAt other, unsigned 
 
 /// Triangles of a leaf with what tells others apart from them.
 struct alignas(64) Described {
-    Bounds box;                   ///< grown by the margin
-    float corner[3][3][kWidth];   ///< [corner][x, y, z], from `origin`
+    Bounds box;                  ///< grown by the margin
+    float corner[3][3][kWidth];  ///< [corner][x, y, z], from `origin`
     float origin[3];
-    float size[kWidth];           ///< of a box: the sum of its edges
-    float around_origin;          ///< no vertex is farther from it
-    Bounds whole;                 ///< around all boxes, in lane 0, where it was asked for
+    float size[kWidth];   ///< of a box: the sum of its edges
+    float around_origin;  ///< no vertex is farther from it
+    Bounds whole;         ///< around all boxes, in lane 0, where it was asked for
     bool has_whole = false;
 
     HWY_INLINE void set(const WideLeaf& leaf, float margin) {
@@ -103,7 +103,7 @@ struct alignas(64) Described {
             for (int p = 0; p < kParts; ++p) off[k][p] = load(leaf.vertex[k] + p * kLanes) - Floats(leaf.vertex[k][0]);
         }
         for (int row = 0; row < 3; ++row) {
-            const double (&map)[4] = placement.exact_to_a[row];
+            const double(&map)[4] = placement.exact_to_a[row];
             const double at = map[3] + (map[0] * first[0] + map[1] * first[1] + map[2] * first[2]);
             origin[row] = static_cast<float>(at);
             const Floats rest(static_cast<float>(at - double{origin[row]}));
@@ -164,10 +164,10 @@ struct Doubts {
     Floats across;  ///< of crossings
 
     /// @param l_a, l_b, around  L and N of wide_pairs.hpp.
-    HWY_INLINE Doubts(Floats l_a, Floats l_b, float around, bool has_reach) {
+    HWY_INLINE Doubts(Floats l_a, Floats l_b, Floats around, bool has_reach) {
         constexpr float u = 0x1p-24f;
         const Floats sum = l_a + l_b;
-        const Floats d = Floats(30.3f * u) * (sum + Floats(around)), w = sum + d;
+        const Floats d = Floats(30.3f * u) * (sum + around), w = sum + d;
         const Floats of_size = Floats(16.2f * u) * w, twice = d + d, beside = twice * w;
         const Floats times(has_reach ? 4.0f : 1.0f), p_a = l_a + d, p_b = l_b + d;
         a = (times * p_a) * (beside + (d + of_size) * p_a);
@@ -271,12 +271,97 @@ HWY_INLINE void judge_partners(const Described& first, const Described& second, 
         const Ints i = code & Ints(15), j{hn::ShiftRight<4>(code.raw)};
         const Floats3 corner[3] = {pick_corner(first, 0, i) - origin, pick_corner(first, 1, i) - origin, pick_corner(first, 2, i) - origin};
         const Floats3 other_corner[3] = {pick_corner(second, 0, j), pick_corner(second, 1, j), pick_corner(second, 2, j)};
-        const Verdicts verdicts = judge(corner, other_corner, Doubts(pick(first.size, i), pick(second.size, j), second.around_origin, reach > 0.0f), reach);
+        const Verdicts verdicts = judge(
+            corner, other_corner, Doubts(pick(first.size, i), pick(second.size, j), Floats(second.around_origin), reach > 0.0f), reach);
         const Mask there = first_lanes(static_cast<int>(pair.count - at < kLanes ? pair.count - at : kLanes));
-        kept += compress_store(code + select(verdicts.certain, Ints(LeafPair::kCertain), Ints(0)), verdicts.near & there, pair.candidate + kept);
+        kept += compress_store(code + select(verdicts.certain, Ints(LeafPair::kCertain), Ints(0)), verdicts.near & there,
+                               pair.candidate + kept);
     }
     pair.count = kept;
 }
+
+/// Pairs of triangles of several pairs of leaves side by side. Two leaves whose boxes meet have seven pairs of triangles in the mean whose boxes do: judged by
+/// themselves they leave more than half of the lanes empty.
+class GatheredPairs {
+public:
+    /// Takes the pairs listed. Their leaves need not stay described.
+    HWY_INLINE void add(const Described& first, const Described& second, const LeafPair& pair) {
+        leaves_[leaf_count_++] = {pair.a, pair.b, count_};
+        const Floats3 origin{Floats(second.origin[0]), Floats(second.origin[1]), Floats(second.origin[2])};
+        for (std::size_t at = 0; at < pair.count; at += kLanes) {
+            const Ints code = load(pair.candidate + at);
+            const Ints i = code & Ints(15), j{hn::ShiftRight<4>(code.raw)};
+            const std::size_t to = count_ + at;
+            store_unaligned(code, code_ + to);
+            const auto put = [&](std::size_t k, Floats x) { store_unaligned(x, number_[k] + to); };
+            for (int k = 0; k < 3; ++k) {
+                const Floats3 a = pick_corner(first, k, i) - origin, b = pick_corner(second, k, j);
+                const auto from = static_cast<std::size_t>(6 * k);
+                put(from, a.x), put(from + 1, a.y), put(from + 2, a.z), put(from + 3, b.x), put(from + 4, b.y), put(from + 5, b.z);
+            }
+            put(18, pick(first.size, i)), put(19, pick(second.size, j)), put(20, Floats(second.around_origin));
+        }
+        count_ += pair.count;
+    }
+    /// @return whether few lanes will be empty.
+    [[nodiscard]] HWY_INLINE bool are_many() const { return count_ >= kMany; }
+
+    /// Calls visit(pair) for each pair of leaves of which something is left, in the order in which they came. @return false once the visit has.
+    template <class Visit>
+    HWY_INLINE bool judge_all(float reach, LeafPair& pair, const Visit& visit) {
+        judge_lanes(reach);
+        leaves_[leaf_count_].begin = count_;
+        for (std::size_t k = 0; k < leaf_count_; ++k) {
+            take(leaves_[k].begin, leaves_[k + 1].begin, pair);
+            pair.a = leaves_[k].a, pair.b = leaves_[k].b;
+            if (pair.count != 0 && !visit(pair)) return false;
+        }
+        leaf_count_ = count_ = 0;
+        return true;
+    }
+
+private:
+    HWY_INLINE void judge_lanes(float reach) {
+        for (std::size_t word = 0; word <= count_ / 64; ++word) near_[word] = certain_[word] = 0;
+        for (std::size_t at = 0; at < count_; at += kLanes) {
+            const auto corner = [&](std::size_t k) {
+                return Floats3{load(number_[k] + at), load(number_[k + 1] + at), load(number_[k + 2] + at)};
+            };
+            const Floats3 mine[3] = {corner(0), corner(6), corner(12)}, other[3] = {corner(3), corner(9), corner(15)};
+            const Doubts doubts(load(number_[18] + at), load(number_[19] + at), load(number_[20] + at), reach > 0.0f);
+            const Verdicts verdicts = judge(mine, other, doubts, reach);
+            near_[at / 64] |= std::uint64_t{bits(verdicts.near)} << at % 64;
+            certain_[at / 64] |= std::uint64_t{bits(verdicts.certain)} << at % 64;
+        }
+    }
+    // Pairs [begin, end): those that nothing parts.
+    HWY_INLINE void take(std::size_t begin, std::size_t end, LeafPair& pair) const {
+        pair.count = 0;
+        for (std::size_t word = begin / 64; 64 * word < end; ++word) {
+            std::uint64_t rest = near_[word];
+            if (64 * word < begin) rest &= ~std::uint64_t{0} << begin % 64;
+            if (end - 64 * word < 64) rest &= ~(~std::uint64_t{0} << end % 64);
+            for (; rest != 0; rest &= rest - 1) {
+                const auto bit = static_cast<std::size_t>(std::countr_zero(rest));
+                const std::int32_t certain = (certain_[word] >> bit & 1u) != 0 ? LeafPair::kCertain : 0;
+                pair.candidate[pair.count++] = code_[64 * word + bit] + certain;
+            }
+        }
+    }
+
+    struct Leaves {
+        const WideLeaf* a;
+        const WideLeaf* b;
+        std::size_t begin;
+    };
+    static constexpr std::size_t kMany = 64;                                    // of four or five bundles of 16 one may be half empty
+    static constexpr std::size_t kRoom = kMany + kWidth * kWidth + 2 * kWidth;  // the last two leaves may add all of theirs
+    alignas(64) float number_[21][kRoom];
+    alignas(64) std::int32_t code_[kRoom];
+    std::uint64_t near_[kRoom / 64 + 1], certain_[kRoom / 64 + 1];
+    Leaves leaves_[kMany + 1];
+    std::size_t leaf_count_ = 0, count_ = 0;
+};
 
 }  // namespace carom::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();

@@ -8,6 +8,7 @@
 
 #include <bit>
 #include <cstddef>
+#include <type_traits>
 #include <utility>
 #include <vector>
 
@@ -68,6 +69,7 @@ public:
             if (kDeepestFirst && depth_ >= 0.0f) std::swap(stack_[deepest_], stack_.back());
             depth_ = -1.0f;
         }
+        if (!done_) judge_gathered(visit);
     }
 
 private:
@@ -103,7 +105,7 @@ private:
         second_.set_placed(b_.leaf(leaf), own, placement_, placement_.margin_a + placement_.reach_a);
     }
 
-    HWY_INLINE bool find_partners(const PairEntry& here) {
+    HWY_INLINE bool list(const PairEntry& here) {
         describe_b(here.b, here.box_b);
         pair_.b = &b_.leaf(here.b);
         const unsigned near = overlapping(second_.box, here.box_a) & ((1u << pair_.b->triangle_count) - 1u);
@@ -111,13 +113,21 @@ private:
         describe_a(here.a);
         pair_.a = &a_.leaf(here.a);
         list_partners(first_, second_, near, pair_);
-        if (pair_.count == 0) return false;
-        judge_partners(first_, second_, placement_, pair_);
         return pair_.count != 0;
+    }
+    HWY_NOINLINE void judge_gathered(LeafPairVisit visit) {
+        if constexpr (!kDeepestFirst) done_ = !gathered_.judge_all(placement_.reach_a, pair_, visit);
     }
     HWY_NOINLINE void leaves(const PairEntry& here, LeafPairVisit visit) {
         if (visited_ != nullptr) note(here);
-        if (find_partners(here)) done_ = !visit(pair_);
+        if (!list(here)) return;
+        if constexpr (kDeepestFirst) {  // which wants to stop at the first
+            judge_partners(first_, second_, placement_, pair_);
+            done_ = pair_.count != 0 && !visit(pair_);
+        } else {
+            gathered_.add(first_, second_, pair_);
+            if (gathered_.are_many()) judge_gathered(visit);
+        }
     }
 
     HWY_INLINE void nodes(const PairEntry& here, LeafPairVisit visit) {
@@ -129,7 +139,8 @@ private:
         unsigned met[kWidth], of_a = 0;
         for (unsigned rest = of_b; rest != 0; rest &= rest - 1) {
             const auto j = static_cast<std::size_t>(std::countr_zero(rest));
-            met[j] = overlapping(a_in_b_, BoxAt(second.bound, j)) & overlapping(first.bound, BoxAt(b_in_a_, j));
+            met[j] = overlapping(first.bound, BoxAt(b_in_a_, j));
+            if (met[j] != 0) met[j] &= overlapping(a_in_b_, BoxAt(second.bound, j));
             if (met[j] == 0) {
                 of_b ^= 1u << j;
                 continue;
@@ -196,17 +207,20 @@ private:
     std::vector<PairEntry>& stack_;
     alignas(64) Bounds a_in_b_, b_in_a_;
     Described first_, second_;
-    WideRef placed_a_ = -1, placed_b_ = -1;        // nodes are not below zero,
+    WideRef placed_a_ = -1, placed_b_ = -1;      // nodes are not below zero,
     WideRef described_a_ = 0, described_b_ = 0;  // leaves are
     Bounds root_[2];
     LeafPair pair_;
+    struct Nothing {};
+    std::conditional_t<kDeepestFirst, Nothing, GatheredPairs> gathered_;
     bool done_ = false;  ///< the visit wants no more
     std::size_t deepest_ = 0;
     float depth_ = -1.0f;  ///< of the deepest pair of this step
 };
 
 template <bool kDeepestFirst>
-void descend_in(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, LeafPairVisit visit, std::vector<VisitedPair>* visited) {
+void descend_in(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, LeafPairVisit visit,
+                std::vector<VisitedPair>* visited) {
     // A visit may descend another pair of trees: the buffer is then in use.
     thread_local std::vector<PairEntry> kept;
     std::vector<PairEntry> stack = std::move(kept);
@@ -233,8 +247,7 @@ HWY_EXPORT(descend);
 
 }  // namespace
 
-void visit_leaf_pairs(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, LeafPairVisit visit,
-                      const PairWalk& walk) {
+void visit_leaf_pairs(const WideBvh& a, const WideBvh& b, const WidePlacement& placement, LeafPairVisit visit, const PairWalk& walk) {
     if (placement.too_unlike) {
         visit_leaf_pairs_in_double(a, b, placement, visit, walk);
     } else {
