@@ -14,6 +14,7 @@
 #include <array>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -53,6 +54,13 @@ struct Crowd {
         return {std::span(placed).subspan(2 * first, 2 * kTurn), std::span(poses).subspan(2 * first, 2 * kTurn)};
     }
 
+    // Calls ask(number, pair) for each pair of the turn from `first`.
+    template <class Ask>
+    void one_by_one(std::size_t first, const Ask& ask) const {
+        for (std::size_t i = first; i < first + kTurn; ++i) {
+            ask(i, ShapePair{placed[2 * i], placed[2 * i + 1], poses[2 * i], poses[2 * i + 1], 0.0f});
+        }
+    }
     // Calls fcl(a, b, place a, place b) for each pair of the turn from `first`.
     template <class Ask>
     void by_fcl(std::size_t first, const Ask& ask) const {
@@ -61,6 +69,9 @@ struct Crowd {
         }
     }
 };
+
+// Whether Carom is asked about the pairs of a turn at once, or about one after the other.
+enum class Ask { Many, One };
 
 // Of a pair [ns].
 std::pair<double, double> race_two(const Turn& carom, const Turn& peer) {
@@ -99,7 +110,8 @@ public:
         row.peer_ms = 1e-6 * times.second;
         row.carom_quality = carom.quality(what);
         row.peer_quality = peer.quality(what);
-        fmt::print(request_.table, "{:<16} carom {:>8.1f} ns   fcl {:>8.1f} ns   {:>7.2f}x   {} {} and {}, largest error {:.2g} and {:.2g}\n", bench,
+        fmt::print(request_.table,
+                   "{:<20} carom {:>8.1f} ns   fcl {:>8.1f} ns   {:>7.2f}x   {} {} and {}, largest error {:.2g} and {:.2g}\n", bench,
                    times.first, times.second, speedup(row), what, carom.wrong, peer.wrong, carom.largest, peer.largest);
         std::fflush(request_.table);
         rows.push_back(std::move(row));
@@ -117,13 +129,17 @@ double true_depth(const Crowd& crowd, std::size_t i) {
     return oracle::overlap_depth(*oracle::make_polytope(a, pose_a), *oracle::make_polytope(b, pose_b));
 }
 
-void boolean_row(const Crowd& crowd, const std::string& bench, Rows& rows) {
+void boolean_row(const Crowd& crowd, const std::string& bench, Ask how, Rows& rows) {
     SerialExecutor executor;
     std::vector<Overlap> verdicts;
     std::vector<Overlap> all(kPairs);
     std::vector<unsigned char> peer(kPairs);
     const auto times = race_two(
         [&](std::size_t first) {
+            if (how == Ask::One) {
+                crowd.one_by_one(first, [&](std::size_t i, const ShapePair& p) { all[i] = overlaps(*p.a, p.pose_a, *p.b, p.pose_b); });
+                return;
+            }
             overlaps(crowd.places(first), crowd.pairs, executor, verdicts);
             std::ranges::copy(verdicts, all.begin() + static_cast<std::ptrdiff_t>(first));
         },
@@ -144,7 +160,7 @@ void boolean_row(const Crowd& crowd, const std::string& bench, Rows& rows) {
     rows.add(bench, times, ours, theirs, "wrong_verdicts");
 }
 
-void manifold_row(const Crowd& crowd, const std::string& bench, Rows& rows) {
+void manifold_row(const Crowd& crowd, const std::string& bench, Ask how, Rows& rows) {
     SerialExecutor executor;
     CollideScratch scratch;
     std::vector<Manifold> manifolds;
@@ -152,7 +168,13 @@ void manifold_row(const Crowd& crowd, const std::string& bench, Rows& rows) {
     std::vector<std::optional<double>> peer(kPairs);
     const auto times = race_two(
         [&](std::size_t first) {
-            collide(crowd.places(first), crowd.pairs, executor, scratch, manifolds);
+            if (how == Ask::One) {
+                manifolds.clear();
+                crowd.one_by_one(first,
+                                 [&](std::size_t i, const ShapePair& p) { collide(p, static_cast<std::uint32_t>(i - first), manifolds); });
+            } else {
+                collide(crowd.places(first), crowd.pairs, executor, scratch, manifolds);
+            }
             std::fill_n(all.begin() + static_cast<std::ptrdiff_t>(first), kTurn, 0.0);
             for (const Manifold& m : manifolds) {
                 for (const ContactPoint& p : m.used()) all[first + m.pair] = std::max(all[first + m.pair], -double(p.separation));
@@ -172,13 +194,17 @@ void manifold_row(const Crowd& crowd, const std::string& bench, Rows& rows) {
     rows.add(bench, times, ours, theirs, "depths_off_by_1e-3");
 }
 
-void distance_row(const Crowd& crowd, const std::string& bench, Rows& rows) {
+void distance_row(const Crowd& crowd, const std::string& bench, Ask how, Rows& rows) {
     SerialExecutor executor;
     std::vector<DistanceResult> results;
     std::vector<DistanceResult> all(kPairs);
     std::vector<std::optional<double>> peer(kPairs);
     const auto times = race_two(
         [&](std::size_t first) {
+            if (how == Ask::One) {
+                crowd.one_by_one(first, [&](std::size_t i, const ShapePair& p) { all[i] = distance(*p.a, p.pose_a, *p.b, p.pose_b); });
+                return;
+            }
             distance(crowd.places(first), crowd.pairs, executor, {}, results);
             std::ranges::copy(results, all.begin() + static_cast<std::ptrdiff_t>(first));
         },
@@ -200,18 +226,31 @@ void distance_row(const Crowd& crowd, const std::string& bench, Rows& rows) {
 }  // namespace
 
 std::vector<Row> run_convex_rows(const GroupRequest& request) {
+    using AddRow = void (*)(const Crowd&, const std::string&, Ask, Rows&);
+    struct Entry {
+        const char* bench;
+        AddRow add;
+        Ask how;
+    };
+    constexpr Entry kBoxes[] = {{"box/boolean", boolean_row, Ask::Many},
+                                {"box/manifold", manifold_row, Ask::Many},
+                                {"box/one/boolean", boolean_row, Ask::One},
+                                {"box/one/distance", distance_row, Ask::One},
+                                {"box/one/manifold", manifold_row, Ask::One}};
+    constexpr Entry kHulls[] = {{"hull32/boolean", boolean_row, Ask::Many},      {"hull32/distance", distance_row, Ask::Many},
+                                {"hull32/manifold", manifold_row, Ask::Many},    {"hull32/one/boolean", boolean_row, Ask::One},
+                                {"hull32/one/distance", distance_row, Ask::One}, {"hull32/one/manifold", manifold_row, Ask::One}};
     Rows rows(request);
-    if (rows.wants("box/boolean") || rows.wants("box/manifold")) {
-        const Crowd boxes(12, box_of);
-        if (rows.wants("box/boolean")) boolean_row(boxes, "box/boolean", rows);
-        if (rows.wants("box/manifold")) manifold_row(boxes, "box/manifold", rows);
-    }
-    if (rows.wants("hull32/boolean") || rows.wants("hull32/distance") || rows.wants("hull32/manifold")) {
-        const Crowd hulls(13, hull_of);
-        if (rows.wants("hull32/boolean")) boolean_row(hulls, "hull32/boolean", rows);
-        if (rows.wants("hull32/distance")) distance_row(hulls, "hull32/distance", rows);
-        if (rows.wants("hull32/manifold")) manifold_row(hulls, "hull32/manifold", rows);
-    }
+    const auto run = [&](std::span<const Entry> entries, std::uint64_t seed, Shape (*make)(Random&)) {
+        std::optional<Crowd> crowd;
+        for (const Entry& entry : entries) {
+            if (!rows.wants(entry.bench)) continue;
+            if (!crowd) crowd.emplace(seed, make);
+            entry.add(*crowd, entry.bench, entry.how, rows);
+        }
+    };
+    run(kBoxes, 12, box_of);
+    run(kHulls, 13, hull_of);
     return rows.rows;
 }
 
