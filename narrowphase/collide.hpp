@@ -56,7 +56,8 @@ enum class CollideStatus : unsigned char {
 /// Appends the manifolds of one pair to `out`, with `pair` = `index`. No manifold means: farther apart than the margin.
 /// Frame: world axes about A's origin; see Manifold. Swapping a and b flips the normal and keeps points and separations.
 ///
-/// What is reported: where the shapes overlap, the least depth over all directions (for a mesh, over those its surface allows); where
+/// What is reported: where the shapes overlap, the least depth over all directions (for a mesh, over those its surface allows, and where it
+/// allows none, over the normals of the triangles that are met; what overlaps is always reported); where
 /// they are apart, their distance, except that two boxes give the greatest separation over their axes, a lower bound that is the
 /// distance unless corners face each other. A body on a flat or nearly flat stretch of a mesh has one manifold; a mesh has two
 /// sides, and pushes to the one on which the shape's centre lies. Flat ends of cylinders and cones give up to four points of their rim or

@@ -28,9 +28,8 @@ struct PolytopeProbe {
 
     [[nodiscard]] double size() const noexcept { return polytope.size; }
     [[nodiscard]] double radius() const noexcept { return 0.0; }
-    [[nodiscard]] double reach(const dvec3& n) const noexcept {
-        return -lowest(polytope, -n).value;
-    }
+    [[nodiscard]] double reach(const dvec3& n) const noexcept { return -lowest(polytope, -n).value; }
+    [[nodiscard]] dvec3 farthest(const dvec3& n) const noexcept { return polytope.vertex(lowest(polytope, -n).number); }
     [[nodiscard]] bool beside(const NearTriangle& t, double margin) const noexcept {
         return glm::any(glm::greaterThan(t.lower, box.upper + dvec3{margin})) ||
                glm::any(glm::lessThan(t.upper, box.lower - dvec3{margin}));
@@ -54,6 +53,9 @@ struct SegmentProbe {
     [[nodiscard]] double reach(const dvec3& n) const noexcept {
         return core.radius * std::sqrt(glm::dot(n, n)) + std::max(glm::dot(core.segment.from, n), glm::dot(core.segment.to, n));
     }
+    [[nodiscard]] dvec3 farthest(const dvec3& n) const noexcept {  // of the core
+        return glm::dot(core.segment.to - core.segment.from, n) > 0.0 ? core.segment.to : core.segment.from;
+    }
     [[nodiscard]] bool beside(const NearTriangle& t, double margin) const noexcept {
         const dvec3 half = glm::abs(core.segment.to) + dvec3{core.radius + margin};
         return glm::any(glm::greaterThan(t.lower, half)) || glm::any(glm::lessThan(t.upper, -half));
@@ -76,6 +78,7 @@ struct TurnedProbe {
     [[nodiscard]] double size() const noexcept { return solid.size(); }
     [[nodiscard]] double radius() const noexcept { return 0.0; }
     [[nodiscard]] double reach(const dvec3& n) const noexcept { return solid.reach(n); }
+    [[nodiscard]] dvec3 farthest(const dvec3& n) const noexcept { return solid.support(n); }
     [[nodiscard]] bool beside(const NearTriangle& t, double margin) const noexcept {
         return glm::any(glm::greaterThan(t.lower, box.upper + dvec3{margin})) ||
                glm::any(glm::lessThan(t.upper, box.lower - dvec3{margin}));
@@ -95,10 +98,24 @@ dvec3 point_on_triangle(const Polytope& triangle, const ContactAxis& axis) noexc
     return triangle.vertex(lowest(triangle, axis.normal).number);
 }
 
+// The way out of the surface that is left where no triangle has a contact of its own: along the normal of one that the shape meets, to the
+// side of the shape's centre. Of triangles that look to the side of the surface on which the centre is, the one of least depth.
+struct WayOut {
+    bool found = false, facing = false;
+    double height = 0.0;  // of the shape over the triangle's plane [m]
+    dvec3 outward{0.0};   // unit
+    std::uint32_t triangle = 0;
+
+    void offer(const WayOut& other) noexcept {
+        if (!found || other.facing > facing || (other.facing == facing && other.height > height)) *this = other;
+    }
+};
+
 // The contact of one triangle. Its own normal is always allowed, on the side on which the shape's centre lies; another one only
 // where the surface is locally highest along it. Otherwise the triangle's normal takes its place, over the triangle alone.
 template <class Probe>
-bool touch_triangle(const Probe& probe, MeshSurface& surface, double margin, Workspace& workspace, TrianglePatch& contact) {
+bool touch_triangle(const Probe& probe, MeshSurface& surface, double margin, Workspace& workspace, TrianglePatch& contact,
+                    WayOut& way_out) {
     Polytope& triangle = workspace.second;
     const bool above = glm::dot(triangle.normal(0), probe.centre) >= triangle.offset(0);
     const dvec3 outward = triangle.normal(above ? 0 : 1);
@@ -109,18 +126,39 @@ bool touch_triangle(const Probe& probe, MeshSurface& surface, double margin, Wor
     const bool apart = axis.separation > kTouching * probe.size();
     const bool is_face = axis.kind == AxisKind::FaceOfB || -glm::dot(axis.normal, outward) > kFaceCosine;
     const bool is_other_face = axis.kind == AxisKind::FaceOfB && glm::dot(axis.normal, outward) > 0.0;
+    AxisPoint axis_point = AxisPoint::Keep;
     if (is_other_face || (!is_face && !surface.allows(point_on_triangle(triangle, axis), -axis.normal, kPointTolerance * probe.size()))) {
         // The far side of a ridge that the shape reaches across would push it through the surface: the near side speaks for both.
-        if (above != surface.is_in_front(probe.centre)) return false;
-        axis = {AxisKind::FaceOfB, -outward, height, {}, {}, 0, above ? 0u : 1u};
+        const bool facing = above == surface.is_in_front(probe.centre);
+        if (axis.separation <= probe.radius() + kTouching * probe.size()) way_out.offer({true, facing, height, outward, contact.triangle});
+        if (!facing) return false;
+        // On a flat stretch the deepest point under its plane is the depth, though it may lie over a triangle that the shape does not meet.
+        const dvec3 deepest = probe.farthest(-outward);
+        const double of_core = height + probe.radius();
+        using Foot = MeshSurface::Foot;
+        const Foot foot = apart ? Foot::None : surface.foot_at(deepest - of_core * outward, kInsideTolerance * probe.size());
+        axis = {AxisKind::FaceOfB, -outward, of_core, deepest, deepest - of_core * outward, 0, above ? 0u : 1u};
+        axis_point = foot == Foot::New ? AxisPoint::Keep : AxisPoint::Leave;
         contact.replaced = true;
+        contact.holds_deepest = foot != Foot::None;
     }
     Patch& patch = contact.patch;
-    probe.patch(triangle, axis, margin, contact.replaced ? AxisPoint::Leave : AxisPoint::Keep, workspace, patch);
+    probe.patch(triangle, axis, margin, axis_point, workspace, patch);
     // A shape that does not reach the triangle lies on one side of it, all over it. Where that is not the side of the centre, the
     // heights are those of its far side and mean nothing.
     if (apart && contact.replaced && patch.count > 0 && patch.points[0].separation < -probe.radius()) return false;
     return patch.count > 0;
+}
+
+// The deepest point alone, wherever it lies.
+template <class Probe>
+TrianglePatch patch_of(const Probe& probe, const WayOut& way_out) noexcept {
+    TrianglePatch contact;
+    contact.triangle = way_out.triangle;
+    contact.patch.normal = -way_out.outward;
+    const dvec3 middle = probe.farthest(-way_out.outward) - (probe.radius() + 0.5 * way_out.height) * way_out.outward;
+    contact.patch.add(middle, way_out.height, feature_name(FeatureKind::Edges, 0, 0));
+    return contact;
 }
 
 // Whether the shape is farther from the triangle's plane than the margin.
@@ -135,6 +173,7 @@ template <class Probe>
 void touch_mesh(const PairFrame& pair, const Probe& probe, const Aabb& bounds, double same_normal, Workspace& workspace,
                 ManifoldSink& sink) {
     MeshSurface& surface = workspace.surface;
+    WayOut way_out;
     surface.gather(pair, inflate(bounds, pair.margin + kInsideTolerance * probe.size()));
     for (const NearTriangle& t : surface.triangles) {
         if (probe.beside(t, pair.margin) || off_the_plane(probe, t, pair.margin) || !load_triangle(workspace.second, t.corners)) {
@@ -142,9 +181,10 @@ void touch_mesh(const PairFrame& pair, const Probe& probe, const Aabb& bounds, d
         }
         TrianglePatch contact;
         contact.triangle = t.index;
-        if (touch_triangle(probe, surface, pair.margin, workspace, contact)) surface.patches.push_back(contact);
+        if (touch_triangle(probe, surface, pair.margin, workspace, contact, way_out)) surface.patches.push_back(contact);
     }
     surface.drop_runaways();
+    if (way_out.found && !surface.touches()) surface.patches.push_back(patch_of(probe, way_out));
     surface.emit(same_normal, kPointTolerance * probe.size(), sink);
 }
 
@@ -200,8 +240,7 @@ CollideStatus sphere_mesh(const PairFrame& pair, Workspace& workspace, ManifoldS
         // With the centre on the surface, out to the front of the triangle.
         Direction direction = direction_of(closest.point, -direction_of(cross, {0.0, 1.0, 0.0}).unit);
         if (direction.length - radius > pair.margin) continue;
-        if (!closest.inside && direction.length > 0.0 &&
-            !surface.allows(closest.point, -direction.unit, kPointTolerance * radius)) {
+        if (!closest.inside && direction.length > 0.0 && !surface.allows(closest.point, -direction.unit, kPointTolerance * radius)) {
             continue;  // a neighbour is nearer
         }
         TrianglePatch contact;

@@ -20,40 +20,82 @@ double depth_of(const Patch& patch) noexcept {
     return least;
 }
 
+// A point and what counts as at it.
+struct Place {
+    dvec3 p{0.0}, lower{0.0}, upper{0.0};
+    double tolerance_sq = 0.0;
+
+    Place(const dvec3& point, double tolerance) noexcept
+        : p(point), lower(point - dvec3{tolerance}), upper(point + dvec3{tolerance}), tolerance_sq(tolerance * tolerance) {}
+    [[nodiscard]] bool is_on(const NearTriangle& t) const noexcept {
+        if (t.lower.x > upper.x || t.lower.y > upper.y || t.lower.z > upper.z || t.upper.x < lower.x || t.upper.y < lower.y ||
+            t.upper.z < lower.z) {
+            return false;
+        }
+        const dvec3 gap = closest_on_triangle(t.corners, p).point - p;
+        return glm::dot(gap, gap) <= tolerance_sq;
+    }
+};
+
+void place(const PairFrame& pair, const TriangleMesh& mesh, std::uint32_t index, NearTriangle& t) noexcept {
+    const std::array<vec3, 3> corners = mesh.corners(index);
+    t.index = index;
+    for (std::size_t k = 0; k < 3; ++k) t.corners[k] = pair.to_first(dvec3(corners[k]));
+    t.lower = glm::min(glm::min(t.corners[0], t.corners[1]), t.corners[2]);
+    t.upper = glm::max(glm::max(t.corners[0], t.corners[1]), t.corners[2]);
+}
+
+// Whether the triangle reaches beyond `p`, its own point, along the unit vector `outward`.
+bool rises(const NearTriangle& t, const dvec3& p, const dvec3& outward, double tolerance) noexcept {
+    return std::ranges::any_of(t.corners, [&](const dvec3& corner) {
+        const dvec3 d = corner - p;
+        const double rise = glm::dot(outward, d) - tolerance;
+        return rise > 0.0 && rise * rise > kRidgeSine * kRidgeSine * glm::dot(d, d);
+    });
+}
+
 }  // namespace
 
 void MeshSurface::gather(const PairFrame& pair, const Aabb& bounds) {
     const TriangleMesh& mesh = *as<TriangleMeshPtr>(pair.second);
+    pair_ = &pair;
     mesh_ = &mesh;
+    gathered_ = bounds;
     triangles.clear();
     patches.clear();
     in_front_.reset();
+    foot_.reset();
     mesh.overlap(bounds, [&](std::uint32_t index) {
-        NearTriangle& t = triangles.emplace_back();
-        const std::array<vec3, 3> corners = mesh.corners(index);
-        t.index = index;
-        for (std::size_t k = 0; k < 3; ++k) t.corners[k] = pair.to_first(dvec3(corners[k]));
-        t.lower = glm::min(glm::min(t.corners[0], t.corners[1]), t.corners[2]);
-        t.upper = glm::max(glm::max(t.corners[0], t.corners[1]), t.corners[2]);
+        place(pair, mesh, index, triangles.emplace_back());
         return true;
     });
 }
 
-bool MeshSurface::allows(const dvec3& p, const dvec3& outward, double tolerance) const noexcept {
-    for (const NearTriangle& t : triangles) {
-        if (p.x < t.lower.x - tolerance || p.y < t.lower.y - tolerance || p.z < t.lower.z - tolerance || p.x > t.upper.x + tolerance ||
-            p.y > t.upper.y + tolerance || p.z > t.upper.z + tolerance) {
-            continue;
+// A contact may be beside the shape's box, where a neighbour was not gathered: it is looked for in the mesh then.
+template <class Test>
+bool MeshSurface::any_at(const dvec3& p, double tolerance, const Test& test) const {
+    const dvec3 own = pair_->to_second(p), reach{tolerance};
+    const bool is_inside =
+        glm::all(glm::lessThanEqual(gathered_.lower, own - reach)) && glm::all(glm::lessThanEqual(own + reach, gathered_.upper));
+    const Place at(p, tolerance);
+    if (is_inside) {
+        for (const NearTriangle& t : triangles) {
+            if (at.is_on(t) && test(t)) return true;
         }
-        const dvec3 gap = closest_on_triangle(t.corners, p).point - p;
-        if (glm::dot(gap, gap) > tolerance * tolerance) continue;
-        for (const dvec3& corner : t.corners) {
-            const dvec3 d = corner - p;
-            const double rise = glm::dot(outward, d) - tolerance;
-            if (rise > 0.0 && rise * rise > kRidgeSine * kRidgeSine * glm::dot(d, d)) return false;
-        }
+        return false;
     }
-    return true;
+    bool found = false;
+    mesh_->overlap({own - reach, own + reach}, [&](std::uint32_t index) {
+        NearTriangle t;
+        place(*pair_, *mesh_, index, t);
+        found = at.is_on(t) && test(t);
+        return !found;
+    });
+    return found;
+}
+
+bool MeshSurface::allows(const dvec3& p, const dvec3& outward, double tolerance) const {
+    return !any_at(p, tolerance, [&](const NearTriangle& t) { return rises(t, p, outward, tolerance); });
 }
 
 bool MeshSurface::is_in_front(const dvec3& p) noexcept {
@@ -78,12 +120,28 @@ double MeshSurface::height_of(const dvec3& p) const noexcept {
     return height;
 }
 
+MeshSurface::Foot MeshSurface::foot_at(const dvec3& p, double tolerance) {
+    const auto is_known = [&] {
+        const dvec3 gap = p - *foot_;
+        return glm::dot(gap, gap) <= tolerance * tolerance;
+    };
+    if (foot_ && is_known()) return passes_foot_ ? Foot::Known : Foot::None;
+    foot_ = p;
+    passes_foot_ = any_at(p, tolerance, [](const NearTriangle&) { return true; });
+    return passes_foot_ ? Foot::New : Foot::None;
+}
+
 void MeshSurface::drop_runaways() noexcept {
     double deepest = 0.0;
+    const auto stands = [](const TrianglePatch& p) { return !p.replaced || p.holds_deepest; };
     for (const TrianglePatch& p : patches) {
-        if (!p.replaced) deepest = std::min(deepest, depth_of(p.patch));
+        if (stands(p)) deepest = std::min(deepest, depth_of(p.patch));
     }
-    if (deepest < 0.0) std::erase_if(patches, [&](const TrianglePatch& p) { return p.replaced && depth_of(p.patch) < 2.0 * deepest; });
+    if (deepest < 0.0) std::erase_if(patches, [&](const TrianglePatch& p) { return !stands(p) && depth_of(p.patch) < 2.0 * deepest; });
+}
+
+bool MeshSurface::touches() const noexcept {
+    return std::ranges::any_of(patches, [](const TrianglePatch& p) { return depth_of(p.patch) <= 0.0; });
 }
 
 void MeshSurface::emit(double same_normal, double tolerance, ManifoldSink& sink) {

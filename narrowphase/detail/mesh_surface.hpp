@@ -26,7 +26,8 @@ struct NearTriangle {
 struct TrianglePatch {
     Patch patch;
     std::uint32_t triangle = 0;
-    bool replaced = false;  ///< the triangle's normal stands in for one that the surface does not allow
+    bool replaced = false;       ///< the triangle's normal stands in for one that the surface does not allow
+    bool holds_deepest = false;  ///< of a stand-in: the shape's deepest point under the triangle's plane lies over the surface
     bool used = false;
 };
 
@@ -36,21 +37,31 @@ public:
     std::vector<TrianglePatch> patches;
 
     /// Collects the triangles whose boxes meet `bounds` (mesh frame), in the order of the mesh's hierarchy, and forgets all patches.
+    /// `pair` must outlive what is asked after it.
     void gather(const PairFrame& pair, const Aabb& bounds);
 
     /// Whether the surface is locally highest along the unit vector `outward` at its point `p`: then a contact there may push along
     /// it. On an edge between two triangles that lie in one plane only the plane's normal may; in a valley nothing but the faces'.
     /// Triangles are found by position, so cracks of up to `tolerance` [m] count as joined, and T-junctions need no adjacency.
-    [[nodiscard]] bool allows(const dvec3& p, const dvec3& outward, double tolerance) const noexcept;
+    [[nodiscard]] bool allows(const dvec3& p, const dvec3& outward, double tolerance) const;
 
     /// Whether `p` lies in front of the surface: in front of the triangle nearest to it, and where several are equally near (along an
     /// edge, at a corner), of the one whose plane is farthest (Baerentzen, Aanaes 2005, sec. 3, on why one plane alone may lie).
     /// Found once after each gather(): ask for one and the same point.
     [[nodiscard]] bool is_in_front(const dvec3& p) noexcept;
 
-    /// Drops stand-ins that are more than twice as deep as all contacts whose normals the surface allows. On a flat stretch the deepest
-    /// contact is one of those; a stand-in beyond it reaches through a ridge, and its depth is that of another part of the shape.
+    enum class Foot : unsigned char { None, New, Known };
+
+    /// Whether the surface passes through `p`, to `tolerance` [m]; Known where it was asked of that point last.
+    [[nodiscard]] Foot foot_at(const dvec3& p, double tolerance);
+
+    /// Drops stand-ins that are more than twice as deep as all contacts whose normals the surface allows or which hold the deepest point
+    /// under their plane. On a flat stretch the deepest contact is one of those; a stand-in beyond it reaches through a ridge, and its depth
+    /// is that of another part of the shape.
     void drop_runaways() noexcept;
+
+    /// @return whether a patch has a point that is not apart.
+    [[nodiscard]] bool touches() const noexcept;
 
     /// Merges the patches: the deepest leads, and takes in all whose normals lie within acos(`same_normal`) of its own; then the
     /// deepest of the rest. Each group becomes one manifold of at most four points, its separations along the leader's normal.
@@ -58,10 +69,17 @@ public:
 
 private:
     [[nodiscard]] double height_of(const dvec3& p) const noexcept;
+    /// Whether `test` holds for a triangle of the mesh with p on it, to `tolerance` [m].
+    template <class Test>
+    [[nodiscard]] bool any_at(const dvec3& p, double tolerance, const Test& test) const;
 
-    const TriangleMesh* mesh_ = nullptr;  ///< of the last gather()
+    const PairFrame* pair_ = nullptr;  ///< of the last gather()
+    const TriangleMesh* mesh_ = nullptr;
+    Aabb gathered_;
     std::vector<Candidate> candidates_;
     std::optional<bool> in_front_;
+    std::optional<dvec3> foot_;  ///< that was asked for last
+    bool passes_foot_ = false;
 };
 
 }  // namespace carom::detail

@@ -68,16 +68,21 @@ private:
     const B& b_;
 };
 
+// The largest size, which rounding goes with, and that which depths are to be right to shares of.
+struct PairSize {
+    double largest = 0.0, tolerated = 0.0;
+};
+
 // @param known   offers the directions that can be said beforehand.
 // @param nearby  offers those next to the direction that EPA found.
 template <class B, class Known, class Nearby>
-bool axis_of(const TruncatedCone& a, const B& b, double size, double margin, const Known& known, const Nearby& nearby, ContactAxis& axis,
-             CollideStatus& status) {
+bool axis_of(const TruncatedCone& a, const B& b, const PairSize& size, double margin, const Known& known, const Nearby& nearby,
+             ContactAxis& axis, CollideStatus& status) {
     const GjkResult apart = gjk(a, b, margin);
     if (apart.beyond) return false;
     if (apart.converged) {
         if (apart.distance > margin) return false;
-        if (apart.distance > kTouching * size) {
+        if (apart.distance > kTouching * size.largest) {
             axis = {AxisKind::Distance, (apart.on_b - apart.on_a) / apart.distance, apart.distance, apart.on_a, apart.on_b, 0, 0};
             return true;
         }
@@ -85,8 +90,8 @@ bool axis_of(const TruncatedCone& a, const B& b, double size, double margin, con
     Best<B> best(a, b);
     known(best);
     // A face is preferred to what is less deep by rounding; a line of a side is the answer or is not.
-    const auto excess = [&] { return (best.candidate.kind == AxisKind::Edges ? kSideExcess : kFacePreference) * size; };
-    const Penetration p = penetration(a, b, size, {best.candidate.normal, best.depth, excess()});
+    const auto excess = [&] { return (best.candidate.kind == AxisKind::Edges ? kSideExcess : kFacePreference) * size.tolerated; };
+    const Penetration p = penetration(a, b, size.largest, {best.candidate.normal, best.depth, excess()});
     axis = {AxisKind::Edges, p.normal, -p.depth, p.on_a, p.on_b, 0, 0};
     nearby(p.normal, best);
     if (p.normal == dvec3{0.0} || best.depth <= p.depth + excess()) {
@@ -111,7 +116,9 @@ bool find_axis(const TruncatedCone& a, Polytope& b, double margin, ContactAxis& 
         }
     };
     const auto nearby = [](const dvec3&, auto&) {};
-    return axis_of(a, list_vertices(b), std::max(a.size(), b.size), margin, known, nearby, axis, status);
+    const double largest = std::max(a.size(), b.size);
+    const PairSize size{largest, b.side_count > 0 ? a.size() : largest};  // a mesh's triangle may be as large as it likes
+    return axis_of(a, list_vertices(b), size, margin, known, nearby, axis, status);
 }
 
 bool find_axis(const TruncatedCone& a, const RoundSegment& b, double margin, ContactAxis& axis, CollideStatus& status) {
@@ -125,7 +132,8 @@ bool find_axis(const TruncatedCone& a, const RoundSegment& b, double margin, Con
     };
     const auto nearby = [&](const dvec3& normal, auto& best) { best.offer({a.side_normal(a.outward(normal))}); };
     const std::span<const dvec3> points(ends.data(), length > 0.0 ? 2 : 1);
-    return axis_of(a, points, std::max(a.size(), length), margin + b.radius, known, nearby, axis, status);
+    const double size = std::max(a.size(), length);
+    return axis_of(a, points, {size, size}, margin + b.radius, known, nearby, axis, status);
 }
 
 bool find_axis(const TruncatedCone& a, const TruncatedCone& b, double margin, ContactAxis& axis, CollideStatus& status) {
@@ -140,7 +148,8 @@ bool find_axis(const TruncatedCone& a, const TruncatedCone& b, double margin, Co
         best.offer({a.side_normal(a.outward(normal))});
         best.offer({-b.side_normal(b.outward(-normal))});
     };
-    return axis_of(a, b, std::max(a.size(), b.size()), margin, known, nearby, axis, status);
+    const double size = std::max(a.size(), b.size());
+    return axis_of(a, b, {size, size}, margin, known, nearby, axis, status);
 }
 
 }  // namespace carom::detail

@@ -1,5 +1,5 @@
-#include <carom/narrowphase/detail/polytope_patch.hpp>
 #include <carom/narrowphase/detail/polytope_lanes.hpp>
+#include <carom/narrowphase/detail/polytope_patch.hpp>
 #include <carom/narrowphase/detail/tolerances.hpp>
 #include <carom/narrowphase/detail/turned_contact.hpp>
 
@@ -95,24 +95,26 @@ void collect(const Facet& a, const Facet& b, const ContactPlane& plane, PolygonS
     collect_crossings(first, second, of_first, of_second, plane, points);
 }
 
-double size_of(const Polytope& p) noexcept { return p.size; }
-double size_of(const TruncatedCone& solid) noexcept { return solid.size(); }
-double size_of(const RoundSegment& round) noexcept {
-    const dvec3 d = round.segment.to - round.segment.from;
-    return std::max(round.radius, std::sqrt(glm::dot(d, d)));
+// The size that tolerances are shares of: the larger one's, but of a triangle and a solid the solid's.
+double common_size(const TruncatedCone& a, const Polytope& b) noexcept { return b.side_count > 0 ? a.size() : std::max(a.size(), b.size); }
+double common_size(const TruncatedCone& a, const TruncatedCone& b) noexcept { return std::max(a.size(), b.size()); }
+double common_size(const TruncatedCone& a, const RoundSegment& b) noexcept {
+    const dvec3 d = b.segment.to - b.segment.from;
+    return std::max({a.size(), b.radius, std::sqrt(glm::dot(d, d))});
 }
 
 // The pair of points that the axis itself names.
 Candidate point_of_axis(const ContactAxis& axis, const ContactPlane& plane) noexcept {
     const dvec3 point = 0.5 * (axis.on_a + axis.on_b);
-    const std::uint64_t name = feature_name(FeatureKind::Edges, kRimPoint, 0);
+    const FeatureKind kind = axis.kind == AxisKind::FaceOfB ? FeatureKind::VertexOfFirst : FeatureKind::Edges;
+    const std::uint64_t name = feature_name(kind, kRimPoint, 0);
     return {point, axis.separation, glm::dot(point, plane.axis_u), glm::dot(point, plane.axis_w), name};
 }
 
 template <class B>
 void patch_of(const TruncatedCone& a, const B& b, const ContactAxis& axis, double margin, AxisPoint axis_point, PolygonScratch& scratch,
               Patch& patch) {
-    const double size = std::max(a.size(), size_of(b));
+    const double size = common_size(a, b);
     const ContactPlane plane = contact_plane(axis.normal, margin, kInsideTolerance * size);
 
     const Facet first = facet_of(a, axis.normal, axis, plane, scratch.first);
