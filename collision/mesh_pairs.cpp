@@ -61,16 +61,11 @@ void for_each_pair(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a, b
 
 /// Sorts without allocating once the calling thread's buffers have grown.
 void sort_pairs(std::vector<TrianglePair>& pairs) {
-    constexpr std::size_t kFew = 64;  // below, std::sort() is as fast
     thread_local const hwy::Sorter sorter;
     thread_local std::vector<std::uint64_t> keys;
     keys.clear();
     for (const TrianglePair& pair : pairs) keys.push_back(std::uint64_t{pair.a} << 32 | pair.b);
-    if (keys.size() < kFew) {
-        std::ranges::sort(keys);
-    } else {
-        sorter(keys.data(), keys.size(), hwy::SortAscending());
-    }
+    sorter(keys.data(), keys.size(), hwy::SortAscending());  // no two are equal
     for (std::size_t k = 0; k < keys.size(); ++k) {
         pairs[k] = {static_cast<std::uint32_t>(keys[k] >> 32), static_cast<std::uint32_t>(keys[k])};
     }
