@@ -12,11 +12,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <vector>
 
 namespace carom::oracle {
 
 using Real = long double;
+inline constexpr Real kInfinite = std::numeric_limits<Real>::infinity();
 using RealVec = glm::vec<3, Real>;
 
 /// A convex solid as the brute force sees it, in world axes about the origin of the pair's A.
@@ -112,13 +114,13 @@ inline Real distance_of_segments(const RealVec& a, const RealVec& b, const RealV
 }
 
 struct Separation {
-    Real value = -1e30L;
+    Real value = -kInfinite;
     RealVec normal{Real(0)};  ///< from a to b
 };
 
 /// Separation of the projections on `n`, from a to b.
 inline Real gap_along(const Solid& a, const Solid& b, const RealVec& n) {
-    Real top = -1e30L, bottom = 1e30L;
+    Real top = -kInfinite, bottom = kInfinite;
     for (const RealVec& v : a.vertices) top = std::max(top, glm::dot(n, v));
     for (const RealVec& v : b.vertices) bottom = std::min(bottom, glm::dot(n, v));
     return bottom - top;
@@ -158,7 +160,7 @@ inline Real signed_distance(const Solid& a, const Solid& b) {
     const Separation axis = greatest_separation(a, b);
     const bool thin = a.triangles.empty() && b.triangles.empty();  // two segments do not overlap
     if (!thin && axis.value < 0) return axis.value;
-    Real best = 1e30L;
+    Real best = kInfinite;
     for (const RealVec& v : a.vertices) {
         for (const auto& t : b.triangles) best = std::min(best, distance_to_triangle(t, v));
     }
