@@ -149,17 +149,22 @@ void World::Impl::solve_contacts(dynamics::Step& step, double dt) {
     const bool joined = !joint_solver.shared().empty();  // to bodies in contact
     solver.share(joint_solver.shared());
     step.run(Stage::Prepare, [&] { solver.prepare(contacts, direct.held(), proxies, arrays, solver_settings(dt), executor()); });
+    const auto run = [&] { solver.run_listed(executor(), step.report.stage_ms); };  // joints come in between, or else all is run at once
+    const auto joints_do = [&](const auto& work) {
+        run();
+        step.run(Stage::Joints, work);
+    };
     for (int k = 0; k < def.substeps; ++k) {
-        const auto from = k == 0 ? dynamics::WarmStart::First : dynamics::WarmStart::Again;
-        step.run(Stage::Velocities, [&] { solver.integrate_velocities(from, executor()); });
-        if (k == 0) step.run(Stage::WarmStart, [&] { solver.warm_start(executor()); });
-        if (k == 0 && joined) step.run(Stage::Joints, [&] { joint_solver.warm_start(solver, executor()); });
-        step.run(Stage::Solve, [&] { solver.solve(true, executor()); });
-        if (joined) step.run(Stage::Joints, [&] { joint_solver.solve(solver, k, executor()); });
-        step.run(Stage::Positions, [&] { solver.integrate_positions(executor()); });
-        if (def.relax) step.run(Stage::Relax, [&] { solver.solve(false, executor()); });
-        if (joined && def.relax) step.run(Stage::Joints, [&] { joint_solver.relax(solver, k, executor()); });
+        solver.list_velocities(k == 0 ? dynamics::WarmStart::First : dynamics::WarmStart::Again);
+        if (k == 0) solver.list_warm_start();
+        if (k == 0 && joined) joints_do([&] { joint_solver.warm_start(solver, executor()); });
+        solver.list_pass(true);
+        if (joined) joints_do([&] { joint_solver.solve(solver, k, executor()); });
+        solver.list_positions();
+        if (def.relax) solver.list_pass(false);
+        if (joined && def.relax) joints_do([&] { joint_solver.relax(solver, k, executor()); });
     }
+    run();
     step.run(Stage::Store, [&] { solver.store(arrays, contacts, executor()); });
     count_contacts(step.report, contacts, solver);
 }

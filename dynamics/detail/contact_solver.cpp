@@ -12,7 +12,9 @@ namespace carom::dynamics {
 namespace {
 
 constexpr std::size_t kBodyGrain = 128;
-constexpr std::size_t kBundleGrain = 4;
+constexpr std::size_t kBundleGrain = 32;  // some 10 µs to prepare
+constexpr std::size_t kPassBundleGrain = 4;
+constexpr std::size_t kPointsOfAColor = 800;  // in the mean; with fewer, waiting for each other takes threads longer than they save
 constexpr std::size_t kManifoldGrain = 128;
 
 template <std::size_t n>
@@ -39,8 +41,8 @@ dvec3 rounded(const dvec3& v) { return dvec3{vec3{v}}; }
 
 }  // namespace
 
-void ContactSolver::prepare(const ContactSet& contacts, std::span<const unsigned char> held, const ProxySet& proxies, const BodyArrays& bodies,
-                            const SolverSettings& settings, Executor& executor) {
+void ContactSolver::prepare(const ContactSet& contacts, std::span<const unsigned char> held, const ProxySet& proxies,
+                            const BodyArrays& bodies, const SolverSettings& settings, Executor& executor) {
     settings_ = settings;
     gaps_known_ = false;
     const double h = settings.substep();
@@ -54,13 +56,15 @@ void ContactSolver::prepare(const ContactSet& contacts, std::span<const unsigned
     fill_sides(proxies, bodies, executor);
     fill_manifold_rows(contacts, executor);
     coloring_.color(contact_rows_, rows_.movable);
-    sort_by_points();
+    sort_by_points(PhaseLoop::part_count(executor));
     lay_out_bundles();
     const PrepareInput input{manifold_rows_, contacts.manifolds, contacts.impulses, rows_, soft_, soft_fixed_};
     executor.parallel_for(bundles_.size(), kBundleGrain, [&](std::size_t begin, std::size_t end) {
         prepare_bundles(std::span{bundles_}.subspan(begin, end - begin), input);
     });
     settings.resists ? rolling_.list({contacts, proxies, rows_, bundles_}, h) : rolling_.clear();
+    point_count_ = 0;
+    for (std::size_t m = 0; m < contacts.manifolds.size(); ++m) point_count_ += static_cast<std::size_t>(manifold_rows_[m].count);
     deep_count_ = 0;
     for (const ContactBundle& bundle : bundles_) deep_count_ += static_cast<std::size_t>(bundle.deep);
 }
@@ -138,7 +142,8 @@ void ContactSolver::fill_manifold_rows(const ContactSet& contacts, Executor& exe
     const std::size_t count = contacts.manifolds.size();
     contact_rows_.resize(count);
     manifold_rows_.resize(count + 1);
-    manifold_rows_[count] = {.row_a = static_cast<std::int32_t>(slot_of_row_.size()), .row_b = static_cast<std::int32_t>(slot_of_row_.size())};
+    manifold_rows_[count] = {.row_a = static_cast<std::int32_t>(slot_of_row_.size()),
+                             .row_b = static_cast<std::int32_t>(slot_of_row_.size())};
     executor.parallel_for(count, kManifoldGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t m = begin; m < end; ++m) {
             const ContactPair& pair = contacts.pairs[contacts.manifolds[m].pair];
@@ -160,7 +165,8 @@ ManifoldRow ContactSolver::row_of(const Manifold& manifold, const Side& a, const
     row.push_limit = std::min(a.push, b.push);  // of the smaller shape
     const Surface surface_a = surface_of_part(a.of.surface, a.of.compound, manifold.part_a);
     const Surface surface_b = surface_of_part(b.of.surface, b.of.compound, manifold.part_b);
-    row.friction = combine(surface_a.friction, surface_b.friction, surface_a.friction_rule, surface_b.friction_rule, CombineRule::GeometricMean);
+    row.friction =
+        combine(surface_a.friction, surface_b.friction, surface_a.friction_rule, surface_b.friction_rule, CombineRule::GeometricMean);
     row.round = (a.of.is_ball ? 1 : 0) + (b.of.is_ball ? 2 : 0);
     row.row_a = a.row;
     row.row_b = b.row;
@@ -169,18 +175,24 @@ ManifoldRow ContactSolver::row_of(const Manifold& manifold, const Side& a, const
     return row;
 }
 
-void ContactSolver::sort_by_points() {
+void ContactSolver::sort_by_points(std::size_t parts) {
     const std::span<const std::uint32_t> order = coloring_.order();
     const std::span<const std::uint32_t> starts = coloring_.starts();
     lane_order_.assign(order.begin(), order.end());
+    constexpr std::size_t kKinds = kMaxManifoldPoints + 1;
+    const auto bodies = std::max<std::size_t>(1, static_cast<std::size_t>(rows_.movable));
+    std::vector<std::uint32_t>& place = places_;  // of the next one of a part with so many points
+    const auto kind = [&](std::uint32_t m) {
+        const ManifoldRow& row = manifold_rows_[m];
+        const auto body = static_cast<std::size_t>(std::min(row.row_a, row.row_b));
+        return std::min(parts - 1, body * parts / bodies) * kKinds + (kMaxManifoldPoints - static_cast<std::size_t>(row.count));
+    };
     for (std::size_t c = 0; c + 1 < starts.size(); ++c) {
-        std::array<std::uint32_t, kMaxManifoldPoints + 1> place{};  // of the next one with so many points
-        for (std::uint32_t i = starts[c]; i < starts[c + 1]; ++i) ++place[static_cast<std::size_t>(manifold_rows_[order[i]].count)];
+        place.assign(parts * kKinds, 0);
+        for (std::uint32_t i = starts[c]; i < starts[c + 1]; ++i) ++place[kind(order[i])];
         std::uint32_t next = starts[c];
-        for (std::size_t points = kMaxManifoldPoints + 1; points-- > 0;) next += std::exchange(place[points], next);
-        for (std::uint32_t i = starts[c]; i < starts[c + 1]; ++i) {
-            lane_order_[place[static_cast<std::size_t>(manifold_rows_[order[i]].count)]++] = order[i];
-        }
+        for (std::uint32_t& p : place) next += std::exchange(p, next);
+        for (std::uint32_t i = starts[c]; i < starts[c + 1]; ++i) lane_order_[place[kind(order[i])]++] = order[i];
     }
 }
 
@@ -210,45 +222,81 @@ void ContactSolver::lay_out_bundles() {
     }
 }
 
-void ContactSolver::integrate_velocities(WarmStart warm_start, Executor& executor) {
-    executor.parallel_for(static_cast<std::size_t>(rows_.movable), kBodyGrain, [&](std::size_t begin, std::size_t end) {
-        kick(rows_, begin, end, warm_start);
-    });
-    rules_.damp(rows_);
+void ContactSolver::list(std::size_t count, std::size_t grain, Stage stage, const Task& task) {
+    phases_.push_back({.count = count, .grain = grain, .label = static_cast<int>(stage)});
+    tasks_.push_back(task);
 }
 
-template <class Pass>
-void ContactSolver::for_each_color(Executor& executor, const Pass& pass) {
-    const std::span<ContactBundle> all{bundles_};
+void ContactSolver::list_velocities(WarmStart warm_start) {
+    list(static_cast<std::size_t>(rows_.movable), kBodyGrain, Stage::Velocities, {.work = Work::Kick, .warm_start = warm_start});
+    if (rules_.damp_any()) list(1, 1, Stage::Velocities, {.work = Work::Damp});
+}
+
+void ContactSolver::list_contacts(Stage stage, const Task& task) {
     for (const Color& color : colors_) {
-        const std::span<ContactBundle> bundles = all.subspan(color.first, color.count);
-        executor.parallel_for(bundles.size(), kBundleGrain, [&](std::size_t begin, std::size_t end) {
-            pass(bundles.subspan(begin, end - begin));
-        });
+        Task of_color = task;
+        of_color.first_bundle = color.first;
+        list(color.count, kPassBundleGrain, stage, of_color);
     }
-    for (std::size_t i = first_overflow_bundle_; i < all.size(); ++i) pass(all.subspan(i, 1));  // these may share bodies
+    Task rest = task;
+    rest.work = task.work == Work::WarmStart ? Work::WarmStartRest : Work::SolveRest;
+    if (first_overflow_bundle_ < bundles_.size() || !rolling_.is_empty() || rules_.lock_any()) list(1, 1, stage, rest);
 }
 
-void ContactSolver::warm_start(Executor& executor) {
-    for_each_color(executor, [&](std::span<ContactBundle> bundles) { dynamics::warm_start(bundles, rows_); });
-    rolling_.warm_start(rows_);
-    rules_.lock(rows_);
-}
+void ContactSolver::list_warm_start() { list_contacts(Stage::WarmStart, {.work = Work::WarmStart}); }
 
-void ContactSolver::solve(bool bias, Executor& executor) {
+void ContactSolver::list_pass(bool bias) {
     const SolveSettings settings{.inverse_h = static_cast<float>(1.0 / settings_.substep()), .bias = bias, .gaps_known = gaps_known_};
-    for_each_color(executor, [&](std::span<ContactBundle> bundles) { dynamics::solve(bundles, rows_, settings); });
-    rolling_.solve(rows_, bundles_);
-    rules_.lock(rows_);
+    list_contacts(bias ? Stage::Solve : Stage::Relax, {.work = Work::Solve, .settings = settings});
     gaps_known_ = true;
 }
 
-void ContactSolver::integrate_positions(Executor& executor) {
+void ContactSolver::list_positions() {
     gaps_known_ = false;
-    const auto h = static_cast<float>(settings_.substep());
-    executor.parallel_for(slot_of_row_.size(), kBodyGrain, [&](std::size_t begin, std::size_t end) {
-        advance(rows_, begin, end, h);
-    });
+    list(slot_of_row_.size(), kBodyGrain, Stage::Positions, {.work = Work::Advance});
+}
+
+void ContactSolver::run_listed(Executor& executor, std::span<double> milliseconds) {
+    SerialExecutor alone;
+    Executor& threads = point_count_ < kPointsOfAColor * std::max<std::size_t>(1, colors_.size()) ? alone : executor;
+    loop_.run(
+        phases_, threads, [this](std::size_t phase, std::size_t begin, std::size_t end) { run_task(tasks_[phase], begin, end); },
+        milliseconds);
+    phases_.clear();
+    tasks_.clear();
+}
+
+void ContactSolver::run_task(const Task& task, std::size_t begin, std::size_t end) {
+    const std::span<ContactBundle> all{bundles_};
+    const std::span<ContactBundle> overflow = all.subspan(first_overflow_bundle_);  // these may share bodies
+    const auto bundles = [&] { return all.subspan(task.first_bundle + begin, end - begin); };
+    switch (task.work) {
+        case Work::Kick:
+            kick(rows_, begin, end, task.warm_start);
+            break;
+        case Work::Damp:
+            rules_.damp(rows_);
+            break;
+        case Work::WarmStart:
+            dynamics::warm_start(bundles(), rows_);
+            break;
+        case Work::Solve:
+            dynamics::solve(bundles(), rows_, task.settings);
+            break;
+        case Work::WarmStartRest:
+            for (std::size_t i = 0; i < overflow.size(); ++i) dynamics::warm_start(overflow.subspan(i, 1), rows_);
+            rolling_.warm_start(rows_);
+            rules_.lock(rows_);
+            break;
+        case Work::SolveRest:
+            for (std::size_t i = 0; i < overflow.size(); ++i) dynamics::solve(overflow.subspan(i, 1), rows_, task.settings);
+            rolling_.solve(rows_, bundles_);
+            rules_.lock(rows_);
+            break;
+        case Work::Advance:
+            advance(rows_, begin, end, static_cast<float>(settings_.substep()));
+            break;
+    }
 }
 
 void ContactSolver::store(BodyArrays& bodies, ContactSet& contacts, Executor& executor) const {

@@ -14,9 +14,11 @@
 #include <carom/dynamics/detail/contact_prepare.hpp>
 #include <carom/dynamics/detail/contact_set.hpp>
 #include <carom/dynamics/detail/part_surface.hpp>
+#include <carom/dynamics/detail/phase_loop.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
 #include <carom/dynamics/detail/rolling_rows.hpp>
 #include <carom/dynamics/detail/row_rules.hpp>
+#include <carom/dynamics/stage.hpp>
 
 #include <cstdint>
 #include <span>
@@ -48,11 +50,15 @@ public:
     [[nodiscard]] SolverBody& body(std::uint32_t slot) noexcept { return rows_.bodies[static_cast<std::size_t>(row_of_slot_[slot])]; }
     [[nodiscard]] const SolverBody& body(std::uint32_t slot) const noexcept { return rows_.bodies[static_cast<std::size_t>(row_of_slot_[slot])]; }
 
-    void integrate_velocities(WarmStart warm_start, Executor& executor);
-    /// Of the first substep: from then on integrate_velocities() does it.
-    void warm_start(Executor& executor);
-    void solve(bool bias, Executor& executor);
-    void integrate_positions(Executor& executor);
+    /// What is to be done, in order; run_listed() does it, in one parallel region. The kick of the substep; from the second on it brings the contacts'
+    /// impulses too.
+    void list_velocities(WarmStart warm_start);
+    /// Of the first substep.
+    void list_warm_start();
+    void list_pass(bool bias);
+    void list_positions();
+    /// @param milliseconds  by Stage; what each takes is added.
+    void run_listed(Executor& executor, std::span<double> milliseconds);
 
     /// Writes the bodies' new states and the contacts' impulses back.
     void store(BodyArrays& bodies, ContactSet& contacts, Executor& executor) const;
@@ -78,11 +84,21 @@ private:
     void fill_sides(const ProxySet& proxies, const BodyArrays& bodies, Executor& executor);
     void fill_manifold_rows(const ContactSet& contacts, Executor& executor);
     [[nodiscard]] ManifoldRow row_of(const Manifold& manifold, const Side& a, const Side& b) const;
-    /// Within a colour the order is free: manifolds of as many points share bundles, so that few lanes idle.
-    void sort_by_points();
+    /// Within a colour the order is free: manifolds of as many points share bundles, so that few lanes idle, and those of like bodies lie in
+    /// one part of it, so that a thread finds most of its bodies where it left them.
+    void sort_by_points(std::size_t parts);
     void lay_out_bundles();
-    template <class Pass>
-    void for_each_color(Executor& executor, const Pass& pass);
+    enum class Work : unsigned char { Kick, Damp, WarmStart, WarmStartRest, Solve, SolveRest, Advance };
+    struct Task {
+        Work work = Work::Kick;
+        WarmStart warm_start = WarmStart::First;
+        std::uint32_t first_bundle = 0;
+        SolveSettings settings{};
+    };
+    void list(std::size_t count, std::size_t grain, Stage stage, const Task& task);
+    /// The colours one after the other, then what has to be alone.
+    void list_contacts(Stage stage, const Task& task);
+    void run_task(const Task& task, std::size_t begin, std::size_t end);
 
     SolverSettings settings_;
     bool gaps_known_ = false;  ///< of the points in the bundles: no body has moved since
@@ -97,11 +113,16 @@ private:
     std::vector<ManifoldRow> manifold_rows_;   // and one for unused lanes
     std::vector<ContactRows> contact_rows_;    // per manifold
     Coloring coloring_;
-    std::vector<std::uint32_t> lane_order_;    // of manifolds: by colour, then by falling number of points
+    std::vector<std::uint32_t> places_;        // scratch of sort_by_points()
+    std::vector<std::uint32_t> lane_order_;    // of manifolds: by colour, then by part and falling number of points
     std::vector<Color> colors_;
     std::vector<ContactBundle> bundles_;
     std::uint32_t first_overflow_bundle_ = 0;  // these are solved one after the other
     std::size_t deep_count_ = 0;
+    std::size_t point_count_ = 0;
+    std::vector<Phase> phases_;
+    std::vector<Task> tasks_;  // of each phase
+    PhaseLoop loop_;
 };
 
 }  // namespace carom::dynamics

@@ -34,6 +34,7 @@ public:
     void solve(SolverBodies& rows, std::span<const ContactBundle> bundles) noexcept;
     /// There are none, and none are remembered.
     void clear() noexcept;
+    [[nodiscard]] bool is_empty() const noexcept { return rows_.empty(); }
 
 private:
     struct Row {

@@ -23,6 +23,8 @@ public:
     /// After each pass over the contacts: takes out what they gave along locked axes. That takes energy out, never in; the passes
     /// that follow find what the contacts need beside it.
     void lock(SolverBodies& rows) const noexcept;
+    [[nodiscard]] bool damp_any() const noexcept { return !damped_.empty(); }
+    [[nodiscard]] bool lock_any() const noexcept { return !locked_.empty(); }
 
 private:
     struct Damped {

@@ -90,6 +90,34 @@ TEST(Determinism, SameBitsOnEveryNumberOfThreads) {
     }
 }
 
+// Enough contacts in each colour that threads share the passes of the solver; and what is done between them by one: rolling, damping, locks.
+World make_blocks(const WorldDef& def) {
+    World world(def);
+    world.add_shape(world.create_body({.type = BodyType::Static}), Plane{{0, 1, 0}, 0});
+    Random random(7);
+    for (int i = 0; i < 400; ++i) {
+        for (int level = 0; level < 3; ++level) {
+            const BodyId body = world.create_body({.position = {1.5 * (i % 20) + random.range(-0.1, 0.1), 0.5 + level, 1.5 * (i / 20) + random.range(-0.1, 0.1)},
+                                                   .linear_velocity = {random.range(-1.0, 1.0), 0, random.range(-1.0, 1.0)},
+                                                   .linear_damping = i % 5 == 0 ? 0.3 : 0.0,
+                                                   .locked = i % 7 == 0 ? LockedAxes::TurnY : LockedAxes::None});
+            world.add_shape(body, Box{vec3{0.5f}}, {.rolling_resistance = i % 11 == 0 ? 0.01f : 0.0f});
+        }
+    }
+    return world;
+}
+
+TEST(Determinism, SameBitsWhereThreadsShareThePassesOfTheSolver) {
+    World alone = make_blocks({.contact_method = ContactMethod::Soft});
+    StepReport report;
+    for (int i = 0; i < 25; ++i) report = alone.step(1.0 / 60.0);
+    EXPECT_GT(report.contacts, 4000u);
+    for (const int threads : {2, 3, 5}) {
+        ShuffledExecutor executor(threads);
+        EXPECT_EQ(hash_after(make_blocks({.executor = &executor, .contact_method = ContactMethod::Soft}), 25), alone.state_hash()) << threads << " threads";
+    }
+}
+
 TEST(Determinism, SameBitsAtEverySimdWidth) {
     const std::uint64_t best = hash_after(make_pile({}), 120);
     for (const int width : available_simd_widths()) {
