@@ -2,7 +2,7 @@
 //
 //   PairRows rows; rows.fill(input, chosen, swapped);             // up to eight pairs
 //   const WideFrame frame = frame_of(rows, lane);                 // as many as there are lanes
-//   rows.write(contact, frame, lane, out);
+//   write_contact(contact, frame, swapped, lane, contacts);       // ContactRows
 
 // This guard lets the file through once for each target.
 #if defined(CAROM_NARROWPHASE_FRAME_LANES_HPP) == defined(HWY_TARGET_TOGGLE)
@@ -56,8 +56,10 @@ struct WideFrame {
 
 HWY_INLINE WideFrame frame_of(const PairRows& rows, int lane) {
     const auto read = [lane](const DoubleBundle& row) { return load(row.lane + lane); };
-    const auto position = [&](const DoubleBundle (&pose)[7]) { return Doubles3{read(pose[0]), read(pose[1]), read(pose[2])}; };
-    const auto rotation = [&](const DoubleBundle (&pose)[7]) { return WideRotation{read(pose[3]), read(pose[4]), read(pose[5]), read(pose[6])}; };
+    const auto position = [&](const DoubleBundle(&pose)[7]) { return Doubles3{read(pose[0]), read(pose[1]), read(pose[2])}; };
+    const auto rotation = [&](const DoubleBundle(&pose)[7]) {
+        return WideRotation{read(pose[3]), read(pose[4]), read(pose[5]), read(pose[6])};
+    };
     const WideRotation first = rotation(rows.first), second = rotation(rows.second);
     const WideMatrix to_world = first.matrix();
     const Doubles3 between = position(rows.second) - position(rows.first);
@@ -68,19 +70,23 @@ HWY_INLINE WideFrame frame_of(const PairRows& rows, int lane) {
 struct WideContactPoint {
     Doubles3 position;
     Doubles separation;
-    Doubles feature;  ///< a small number
+    Doubles feature;  ///< a whole number that a double holds
     DoubleMask valid;
 };
 
-/// Up to two of them with one normal, from the first shape to the second.
+/// Some of them with one normal, from the first shape to the second.
+template <std::size_t Points>
 struct WideContact {
+    static constexpr std::size_t kPoints = Points;
     Doubles3 normal;
-    WideContactPoint points[2];
+    WideContactPoint points[Points];
 };
 
 /// To the world, about A's origin. Differences of positions that overflow are farther apart than any margin.
-HWY_INLINE void write_contact(const WideContact& contact, const WideFrame& frame, bool swapped, int lane, ContactRows& out) {
-    const auto write = [lane](const Doubles3& v, DoubleBundle (&rows)[3]) {
+template <std::size_t Points>
+HWY_INLINE void write_contact(const WideContact<Points>& contact, const WideFrame& frame, bool swapped, int lane,
+                              ContactRows<Points>& out) {
+    const auto write = [lane](const Doubles3& v, DoubleBundle(&rows)[3]) {
         store(v.x, rows[0].lane + lane), store(v.y, rows[1].lane + lane), store(v.z, rows[2].lane + lane);
     };
     const Doubles3 normal = frame.to_world * contact.normal;
@@ -89,7 +95,7 @@ HWY_INLINE void write_contact(const WideContact& contact, const WideFrame& frame
     const Doubles3 shift = swapped ? -frame.between : Doubles3{zero, zero, zero};
     const Doubles3& t = frame.translation;
     const DoubleMask finite = (t.x - t.x == zero) & (t.y - t.y == zero) & (t.z - t.z == zero);
-    for (std::size_t k = 0; k < 2; ++k) {
+    for (std::size_t k = 0; k < Points; ++k) {
         write(frame.to_world * contact.points[k].position + shift, out.points[k].position);
         store(contact.points[k].separation, out.points[k].separation.lane + lane);
         store(contact.points[k].feature, out.points[k].feature.lane + lane);

@@ -33,6 +33,8 @@ void sphere_box_lanes(const BatchInput& input, std::span<const std::uint32_t> ch
 void sphere_plane_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, ManifoldList& out);
 void capsule_capsule_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, ManifoldList& out);
 void capsule_plane_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, ManifoldList& out);
+void box_plane_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, ManifoldList& out);
+void capsule_box_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, ManifoldList& out);
 void box_box(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, ManifoldList& out);
 
 /// Two boxes as polytopes in double: where they are not many, as parts of compounds are not.

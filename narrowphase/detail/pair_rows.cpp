@@ -34,12 +34,15 @@ void PairRows::fill(const BatchInput& input, std::span<const std::uint32_t> chos
     }
 }
 
-void ContactRows::write(std::span<const std::uint32_t> chosen, ManifoldList& out) const {
-    const auto read = [](const DoubleBundle (&rows)[3], std::size_t lane) {
+template <std::size_t Points>
+void ContactRows<Points>::write(std::span<const std::uint32_t> chosen, ManifoldList& out) const {
+    const auto read = [](const DoubleBundle(&rows)[3], std::size_t lane) {
         return vec3(static_cast<float>(rows[0].lane[lane]), static_cast<float>(rows[1].lane[lane]), static_cast<float>(rows[2].lane[lane]));
     };
+    unsigned any = 0;
+    for (const Point& point : points) any |= point.valid;
     for (std::size_t lane = 0; lane < chosen.size(); ++lane) {
-        if (((points[0].valid | points[1].valid) >> lane & 1u) == 0) continue;
+        if ((any >> lane & 1u) == 0) continue;
         Manifold& manifold = out.add();
         manifold.pair = chosen[lane];
         manifold.normal = read(normal, lane);
@@ -50,5 +53,9 @@ void ContactRows::write(std::span<const std::uint32_t> chosen, ManifoldList& out
         }
     }
 }
+
+template struct ContactRows<1>;
+template struct ContactRows<2>;
+template struct ContactRows<4>;
 
 }  // namespace carom::detail

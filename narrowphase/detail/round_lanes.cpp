@@ -7,28 +7,13 @@
 #define HWY_TARGET_INCLUDE <carom/narrowphase/detail/round_lanes.cpp>
 #include <hwy/foreach_target.h>
 
-#include <carom/narrowphase/detail/frame_lanes.hpp>
 #include <carom/narrowphase/detail/kernels.hpp>
+#include <carom/narrowphase/detail/round_lanes.hpp>
 #include <carom/narrowphase/detail/tolerances.hpp>
-
-#include <algorithm>
 
 HWY_BEFORE_NAMESPACE();
 namespace carom::detail::HWY_NAMESPACE {
 namespace {
-
-HWY_INLINE Doubles3 zero3() { return {Doubles(0.0), Doubles(0.0), Doubles(0.0)}; }
-HWY_INLINE Doubles3 over(const Doubles3& v, Doubles s) { return {v.x / s, v.y / s, v.z / s}; }
-HWY_INLINE DoubleMask nowhere() { return Doubles(0.0) > Doubles(0.0); }
-HWY_INLINE Doubles least(Doubles a, Doubles b) { return select(b < a, b, a); }     // as std::min
-HWY_INLINE Doubles greatest(Doubles a, Doubles b) { return select(a < b, b, a); }  // as std::max
-HWY_INLINE Doubles clamp01(Doubles x) { return select(x > Doubles(0.0), select(x < Doubles(1.0), x, Doubles(1.0)), Doubles(0.0)); }
-
-HWY_INLINE Doubles3 any_perpendicular(const Doubles3& n) {
-    const Doubles one(1.0), sign = select(n.z < Doubles(0.0), Doubles(-1.0), one);
-    const Doubles a = Doubles(-1.0) / (sign + n.z), b = (n.x * n.y) * a;
-    return {one + ((sign * n.x) * n.x) * a, sign * b, (-sign) * n.x};
-}
 
 struct WideDirection {
     Doubles3 unit;
@@ -67,33 +52,22 @@ HWY_INLINE WideParameters closest_parameters(const WideSegment& a, const WideSeg
     return {s, t};
 }
 
-HWY_INLINE WideContactPoint ball_point(const Doubles3& centre, Doubles radius, const Doubles3& normal, Doubles distance, DoubleMask valid,
-                                       Doubles feature = Doubles(0.0)) {
-    return {centre + normal * (Doubles(0.5) * (radius + distance)), distance - radius, feature, valid};
-}
-HWY_INLINE WideContact one_point(const Doubles3& normal, const WideContactPoint& point) {
-    return {normal, {point, {zero3(), Doubles(0.0), Doubles(0.0), nowhere()}}};
-}
+HWY_INLINE WideContact<1> one_point(const Doubles3& normal, const WideContactPoint& point) { return {normal, {point}}; }
 
-// The numbers of the two shapes.
-struct Sizes {
-    Doubles first[2], second[4];
-};
-
-HWY_INLINE WideContact ball_against_point(const WideFrame& f, Doubles own, const Doubles3& q, Doubles radius, const Doubles3& fallback) {
+HWY_INLINE WideContact<1> ball_against_point(const WideFrame& f, Doubles own, const Doubles3& q, Doubles radius, const Doubles3& fallback) {
     const WideDirection direction = direction_of(q, fallback);
     const DoubleMask apart = (direction.length - own) - radius > f.margin;
     return one_point(direction.unit, ball_point(zero3(), own, direction.unit, direction.length - radius, !apart));
 }
 
 struct SphereSphere {
-    static HWY_INLINE WideContact touch(const WideFrame& f, const Sizes& size) {
+    static HWY_INLINE WideContact<1> touch(const WideFrame& f, const Sizes& size) {
         return ball_against_point(f, size.first[0], f.translation, size.second[0], {Doubles(0.0), Doubles(1.0), Doubles(0.0)});
     }
 };
 
 struct SphereCapsule {
-    static HWY_INLINE WideContact touch(const WideFrame& f, const Sizes& size) {
+    static HWY_INLINE WideContact<1> touch(const WideFrame& f, const Sizes& size) {
         const WideSegment segment = segment_of(size.second[1], f.rotation.y, f.translation);
         const Doubles3 q = segment.at(closest_parameter(segment, zero3()));
         return ball_against_point(f, size.first[0], q, size.second[0], any_perpendicular(f.rotation.y));
@@ -101,7 +75,7 @@ struct SphereCapsule {
 };
 
 struct SphereBox {
-    static HWY_INLINE WideContact touch(const WideFrame& f, const Sizes& size) {
+    static HWY_INLINE WideContact<1> touch(const WideFrame& f, const Sizes& size) {
         const Doubles zero(0.0), one(1.0), radius = size.first[0];
         const Doubles3 half{size.second[0], size.second[1], size.second[2]}, centre = f.rotation.back(zero3() - f.translation);
         const auto clamped = [](Doubles x, Doubles h) { return least(greatest(x, -h), h); };
@@ -121,20 +95,8 @@ struct SphereBox {
     }
 };
 
-struct WidePlane {
-    Doubles3 normal;
-    Doubles offset;
-    HWY_INLINE WidePlane(const WideFrame& f, const Sizes& size) : normal(zero3()), offset(0.0) {
-        const Doubles3 stored{size.second[0], size.second[1], size.second[2]};
-        const Doubles length = sqrt(dot(stored, stored));
-        normal = f.rotation * over(stored, length);
-        offset = size.second[3] / length + dot(normal, f.translation);
-    }
-    HWY_INLINE Doubles distance(const Doubles3& p) const { return dot(normal, p) - offset; }
-};
-
 struct SpherePlane {
-    static HWY_INLINE WideContact touch(const WideFrame& f, const Sizes& size) {
+    static HWY_INLINE WideContact<1> touch(const WideFrame& f, const Sizes& size) {
         const WidePlane plane(f, size);
         const Doubles distance = plane.distance(zero3());
         const Doubles3 normal = -plane.normal;
@@ -143,7 +105,7 @@ struct SpherePlane {
 };
 
 struct CapsulePlane {
-    static HWY_INLINE WideContact touch(const WideFrame& f, const Sizes& size) {
+    static HWY_INLINE WideContact<2> touch(const WideFrame& f, const Sizes& size) {
         const WidePlane plane(f, size);
         const Doubles zero(0.0), radius = size.first[0], half = size.first[1];
         const WideSegment segment = segment_of(half, {zero, Doubles(1.0), zero}, zero3());
@@ -161,7 +123,7 @@ struct CapsuleCapsule {
         const Doubles3 along = direction_of(a.to - a.from, {Doubles(0.0), Doubles(1.0), Doubles(0.0)}).unit;
         return direction_of(cross(a.to - a.from, b.to - b.from), any_perpendicular(along)).unit;
     }
-    static HWY_INLINE WideContact touch(const WideFrame& f, const Sizes& size) {
+    static HWY_INLINE WideContact<2> touch(const WideFrame& f, const Sizes& size) {
         const Doubles zero(0.0), one(1.0), radius_a = size.first[0], radius_b = size.second[0];
         const WideSegment a = segment_of(size.first[1], {zero, one, zero}, zero3());
         const WideSegment b = segment_of(size.second[1], f.rotation.y, f.translation);
@@ -174,10 +136,12 @@ struct CapsuleCapsule {
         const Doubles3 d = a.to - a.from, e = b.to - b.from;
         const Doubles dd = dot(d, d);
         const Doubles s0 = dot(b.from - a.from, d) / dd, s1 = dot(b.to - a.from, d) / dd;
-        const Doubles low = select(dd > zero, greatest(zero, least(s0, s1)), one), high = select(dd > zero, least(one, greatest(s0, s1)), zero);
+        const Doubles low = select(dd > zero, greatest(zero, least(s0, s1)), one),
+                      high = select(dd > zero, least(one, greatest(s0, s1)), zero);
         const Doubles length = ((high - low) * Doubles(2.0)) * size.first[1];
         const Doubles3 c = cross(d, e);
-        const DoubleMask along = (dot(c, c) < (Doubles(kAlongSine * kAlongSine) * dd) * dot(e, e)) & (length > Doubles(kSnap) * least(radius_a, radius_b));
+        const DoubleMask along =
+            (dot(c, c) < (Doubles(kAlongSine * kAlongSine) * dd) * dot(e, e)) & (length > Doubles(kSnap) * least(radius_a, radius_b));
 
         const auto point = [&](Doubles s, double feature) {
             const Doubles3 p = a.at(s);
@@ -185,7 +149,7 @@ struct CapsuleCapsule {
             const DoubleMask valid = (touches & along) & ((distance - radius_a) - radius_b <= f.margin);
             return ball_point(p, radius_a, normal, distance - radius_b, valid, Doubles(feature));
         };
-        WideContact contact{normal, {point(low, 1.0), point(high, 2.0)}};
+        WideContact<2> contact{normal, {point(low, 1.0), point(high, 2.0)}};
         const WideContactPoint middle = ball_point(a.at(closest.s), radius_a, normal, direction.length - radius_b, touches);
         WideContactPoint& first = contact.points[0];
         const DoubleMask alone = !(first.valid | contact.points[1].valid);
@@ -194,25 +158,6 @@ struct CapsuleCapsule {
         return contact;
     }
 };
-
-template <class Kernel>
-HWY_INLINE void run(const BatchInput& input, std::span<const std::uint32_t> chosen, ShapeType first_type, ManifoldList& out) {
-    PairRows rows;
-    const bool swapped = type_of(*input.placed.shapes[input.pairs[chosen.front()].a]) != first_type;
-    for (std::size_t begin = 0; begin < chosen.size(); begin += kDoubleBundleWidth) {
-        const auto some = chosen.subspan(begin, std::min<std::size_t>(kDoubleBundleWidth, chosen.size() - begin));
-        rows.fill(input, some, swapped);
-        ContactRows contacts;
-        for (int lane = 0; lane < kDoubleBundleWidth; lane += kDoubleLanes) {
-            const auto read = [lane](const DoubleBundle& row) { return load(row.lane + lane); };
-            const WideFrame frame = frame_of(rows, lane);
-            const Sizes size{{read(rows.size_first[0]), read(rows.size_first[1])},
-                             {read(rows.size_second[0]), read(rows.size_second[1]), read(rows.size_second[2]), read(rows.size_second[3])}};
-            write_contact(Kernel::touch(frame, size), frame, swapped, lane, contacts);
-        }
-        contacts.write(some, out);
-    }
-}
 
 using Chosen = std::span<const std::uint32_t>;
 using Manifolds = ManifoldList;

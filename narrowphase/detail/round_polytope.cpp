@@ -1,4 +1,4 @@
-// Capsule against box and hull, sphere against hull.
+// Capsule and sphere against hull.
 #include <carom/collision/convex_hull.hpp>
 #include <carom/narrowphase/detail/kernels.hpp>
 #include <carom/narrowphase/detail/round_contact.hpp>
@@ -6,9 +6,9 @@
 #include <carom/narrowphase/detail/workspace.hpp>
 
 namespace carom::detail {
-namespace {
 
-CollideStatus capsule_polytope(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
+CollideStatus capsule_hull(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
+    load_hull(workspace.second, *as<ConvexHullPtr>(pair.second), pair.rotation, pair.translation);
     const Capsule& capsule = as<Capsule>(pair.first);
     const double half = static_cast<double>(capsule.half_segment);
     const RoundSegment core{{{0.0, -half, 0.0}, {0.0, half, 0.0}}, static_cast<double>(capsule.radius)};
@@ -18,18 +18,6 @@ CollideStatus capsule_polytope(const PairFrame& pair, Workspace& workspace, Mani
     build_patch(core, workspace.second, axis, pair.margin, AxisPoint::Keep, workspace.polygons, patch);
     if (patch.count > 0) sink.add(patch);
     return CollideStatus::Ok;
-}
-
-}  // namespace
-
-CollideStatus capsule_box(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
-    load_box(workspace.second, dvec3(as<Box>(pair.second).half_extents), pair.rotation, pair.translation);
-    return capsule_polytope(pair, workspace, sink);
-}
-
-CollideStatus capsule_hull(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
-    load_hull(workspace.second, *as<ConvexHullPtr>(pair.second), pair.rotation, pair.translation);
-    return capsule_polytope(pair, workspace, sink);
 }
 
 // In the hull's frame, so that nothing of it is to be moved.
