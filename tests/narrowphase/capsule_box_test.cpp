@@ -1,0 +1,198 @@
+// Capsule against box: the closed form beside the search over a hull of the same corners and beside brute force.
+#include "near_pairs.hpp"
+
+#include <gtest/gtest.h>
+
+#include <map>
+#include <set>
+
+namespace carom {
+namespace {
+
+using namespace test;
+
+struct Case {
+    Capsule capsule;
+    Box box;
+    Pose pose_capsule, pose_box;
+    float margin = 0.0f;
+
+    [[nodiscard]] std::vector<Manifold> found() const { return collide_all(capsule, pose_capsule, box, pose_box, margin); }
+    [[nodiscard]] std::vector<Manifold> found_as_hull() const {
+        return collide_all(capsule, pose_capsule, Shape{hull_of(corners_of(box))}, pose_box, margin);
+    }
+    [[nodiscard]] double size() const {
+        const vec3 h = box.half_extents;
+        return 2.0 * static_cast<double>(std::max({h.x, h.y, h.z, capsule.half_segment + capsule.radius}));
+    }
+    [[nodiscard]] Solid core() const {
+        const double h = static_cast<double>(capsule.half_segment);
+        return solid_of_segment(placed({0, -h, 0}, pose_capsule, pose_capsule.position),
+                                placed({0, h, 0}, pose_capsule, pose_capsule.position));
+    }
+    [[nodiscard]] Solid solid_box() const { return solid_of(box, pose_box, pose_capsule.position); }
+};
+
+Case case_of(Random& r, Condition condition, int i) {
+    const NearPair p = near_pair(r, ShapeType::Capsule, ShapeType::Box, condition);
+    Case c{std::get<Capsule>(p.a), std::get<Box>(p.b), p.pose_a, p.pose_b,
+           static_cast<float>(p.size * (i % 3 == 0   ? 0.0
+                                        : i % 3 == 1 ? 1e-3
+                                                     : 0.1))};
+    if (i % 7 == 0) c.capsule.half_segment = 0.0f;
+    return c;
+}
+
+TEST(CapsuleBox, TouchesLikeAHullInAllConditions) {
+    for (const Condition condition : kConditions) {
+        Random r(61 + static_cast<std::uint64_t>(condition));
+        int touching = 0;
+        for (int i = 0; i < 3000; ++i) {
+            SCOPED_TRACE(testing::Message() << "condition " << static_cast<int>(condition) << ", case " << i);
+            const Case c = case_of(r, condition, i);
+            const std::vector<Manifold> box = c.found(), hull = c.found_as_hull();
+            const double allowed = 1.5e-6 * c.size();  // a face may stand for an edge that is better by 1e-6
+            if (box.size() != hull.size()) {
+                ASSERT_NEAR(least_separation(box.empty() ? hull[0] : box[0]), c.margin, allowed);
+                continue;
+            }
+            if (box.empty()) continue;
+            ++touching;
+            ASSERT_NEAR(static_cast<double>(least_separation(box[0])), static_cast<double>(least_separation(hull[0])), allowed);
+        }
+        EXPECT_GT(touching, 1000);
+    }
+}
+
+TEST(CapsuleBox, DepthAndNormalAreThoseOfBruteForceInAllConditions) {
+    for (const Condition condition : kConditions) {
+        Random r(71 + static_cast<std::uint64_t>(condition));
+        int deep = 0;
+        for (int i = 0; i < 250; ++i) {
+            SCOPED_TRACE(testing::Message() << "condition " << static_cast<int>(condition) << ", case " << i);
+            const Case c = case_of(r, condition, i);
+            const Solid core = c.core(), box = c.solid_box();
+            const double radius = static_cast<double>(c.capsule.radius), size = c.size();
+            const double truth = static_cast<double>(signed_distance(core, box)) - radius;
+            const std::vector<Manifold> found = c.found();
+            if (std::abs(truth - static_cast<double>(c.margin)) < 1e-6 * size) continue;
+            ASSERT_EQ(found.size(), truth < static_cast<double>(c.margin) ? 1u : 0u);
+            if (found.empty()) continue;
+            const double least = static_cast<double>(least_separation(found[0]));
+            ASSERT_NEAR(least, truth, 1e-6 * size);
+            const dvec3 n(found[0].normal);
+            ASSERT_NEAR(glm::dot(n, n), 1.0, 1e-6);
+            // Moving the box out along the normal by the depth parts the two.
+            if (truth > 0.0) continue;
+            ++deep;
+            ASSERT_NEAR(static_cast<double>(gap_along(core, box, real(n))) - radius, least, 1e-6 * size);
+        }
+        EXPECT_GT(deep, 40);
+    }
+}
+
+// Each point lies midway between a ball on the capsule's axis and the plane of a face of the box.
+TEST(CapsuleBox, PointsLieBetweenTheAxisAndAFace) {
+    int points = 0;
+    for (const Condition condition : kConditions) {
+        Random r(81 + static_cast<std::uint64_t>(condition));
+        for (int i = 0; i < 1000; ++i) {
+            SCOPED_TRACE(testing::Message() << "condition " << static_cast<int>(condition) << ", case " << i);
+            const Case c = case_of(r, condition, i);
+            for (const Manifold& m : c.found()) {
+                std::set<std::uint64_t> names;
+                for (const ContactPoint& p : m.used()) {
+                    const dvec3 normal(m.normal), position(p.position);
+                    const double half_gap = 0.5 * static_cast<double>(p.separation), radius = static_cast<double>(c.capsule.radius);
+                    const dvec3 on_axis = rotate_inverse(c.pose_capsule.orientation, position - (radius + half_gap) * normal);
+                    const double h = static_cast<double>(c.capsule.half_segment);
+                    ASSERT_LT(glm::length(on_axis - dvec3{0.0, glm::clamp(on_axis.y, -h, h), 0.0}), 1e-6 * c.size());
+                    const dvec3 between = c.pose_box.position - c.pose_capsule.position;
+                    const dvec3 outside = glm::abs(rotate_inverse(c.pose_box.orientation, position + half_gap * normal - between)) -
+                                          dvec3(c.box.half_extents);
+                    ASSERT_NEAR(std::max({outside.x, outside.y, outside.z}), 0.0, 1e-6 * c.size());
+                    names.insert(p.feature);
+                    ++points;
+                }
+                ASSERT_EQ(names.size(), m.count);
+            }
+        }
+    }
+    EXPECT_GT(points, 6000);
+}
+
+// A capsule lies on a face, half of them over its edge: two points, whose names stay.
+TEST(CapsuleBox, NamesSurviveSmallMotion) {
+    Random r(91);
+    const Capsule capsule{0.2f, 0.5f};
+    int over_edge = 0;
+    for (int i = 0; i < 1000; ++i) {
+        const Box box{{1.0f, 0.5f, 0.8f}};
+        const Pose pose{{r.range(-1.2, 1.2), 0.699, r.range(-0.6, 0.6)},
+                        about({0, 1, 0}, r.range(-0.15, 0.15)) * about({0, 0, 1}, 0.5 * kPi)};
+        const auto names = [&](const Pose& at) {
+            std::map<std::uint64_t, vec3> by_name;
+            for (const Manifold& m : collide_all(capsule, at, box, {}, 0.02f)) {
+                for (const ContactPoint& p : m.used()) by_name[p.feature] = p.position + vec3(at.position);
+            }
+            return by_name;
+        };
+        const auto before = names(pose);
+        ASSERT_EQ(before.size(), 2u) << i;
+        over_edge += std::abs(pose.position.x) > 0.53 ? 1 : 0;
+        Pose moved = pose;
+        moved.position += random_direction(r) * 1e-4;
+        moved.orientation = about(random_direction(r), 1e-4) * moved.orientation;
+        const auto after = names(moved);
+        ASSERT_EQ(after.size(), 2u) << i;
+        // Within a fiftieth of the core's length of an end the name is the end's: there it changes.
+        if (std::abs(std::abs(pose.position.x) - 0.52) < 0.01) continue;
+        for (const auto& [name, position] : after) {
+            const auto same = before.find(name);
+            ASSERT_TRUE(same != before.end()) << i;
+            EXPECT_LT(glm::length(dvec3(position) - dvec3(same->second)), 1e-3) << i;
+        }
+    }
+    EXPECT_GT(over_edge, 300);
+}
+
+// Inside or across a box, where two ways out are equally short, there is a unit normal and the depth is right.
+TEST(CapsuleBox, ConcentricOnesPartAlongAFace) {
+    const Box box{{0.5f, 0.5f, 0.5f}};
+    for (const double half : {0.0, 0.1, 0.5, 2.0}) {
+        for (const dquat& turn : {kIdentityRotation, about({0, 0, 1}, 0.5 * kPi), about({0, 0, 1}, 0.25 * kPi), about({1, 2, 3}, 1.0)}) {
+            const Case c{{0.25f, static_cast<float>(half)}, box, {{0, 0, 0}, turn}, {}, 0.0f};
+            const std::vector<Manifold> found = c.found();
+            ASSERT_EQ(found.size(), 1u);
+            const double truth = static_cast<double>(signed_distance(c.core(), c.solid_box())) - 0.25;
+            EXPECT_NEAR(static_cast<double>(least_separation(found[0])), truth, 1e-6);
+            EXPECT_NEAR(glm::length(dvec3(found[0].normal)), 1.0, 1e-6);
+        }
+    }
+}
+
+// Tolerances are shares of the smaller shape: a capsule on the ground keeps both points, however large the ground is.
+TEST(CapsuleBox, ASmallCapsuleOnALargeBoxLiesOnTwoPoints) {
+    const Capsule capsule{0.05f, 0.1f};
+    for (const float reach : {1.0f, 1e2f, 1e4f, 1e6f}) {
+        const Box ground{{reach, 1.0f, reach}};
+        const Pose lying{{0.3, 1.049, -0.2}, about({0, 0, 1}, 0.5 * kPi)};
+        const std::vector<Manifold> found = collide_all(capsule, lying, ground, {}, 0.005f);
+        ASSERT_EQ(found.size(), 1u) << reach;
+        EXPECT_EQ(found[0].count, 2u) << reach;
+        for (const ContactPoint& p : found[0].used()) EXPECT_NEAR(static_cast<double>(p.separation), -0.001, 1e-7) << reach;
+    }
+}
+
+// Too far apart for the squares of distances, or for the distance itself: no contact, and nothing that is not a number.
+TEST(CapsuleBox, FarApartIsApart) {
+    for (const double far : {1e10, 1e160, 1e307, 1.7e308}) {
+        for (const dvec3& where : {dvec3{far, 0, 0}, dvec3{-far, far, far}}) {
+            const Case c{{0.2f, 0.5f}, {{1, 1, 1}}, {where, about({1, 2, 3}, 1.0)}, {{0, 0, 0}, about({3, 1, 2}, 2.0)}, 1.0f};
+            EXPECT_TRUE(c.found().empty()) << far;
+        }
+    }
+}
+
+}  // namespace
+}  // namespace carom
