@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kCorners = 8;
 
-// Of a corner: in the plane, over it, and its number.
+// Of a corner: where it is in the plane, how far over it, and its number.
 struct WideCandidate {
     Doubles u, w, separation, number;
 };
@@ -25,15 +25,29 @@ HWY_INLINE WideCandidate select_point(DoubleMask m, const WideCandidate& yes, co
     return {select(m, yes.u, no.u), select(m, yes.w, no.w), select(m, yes.separation, no.separation), select(m, yes.number, no.number)};
 }
 
-// A candidate where there is one. What lanes hold is never made by a constructor that the compiler adds: it would be of no target.
+// A candidate where there is one.
 struct WideChoice {
     WideCandidate point;
     DoubleMask valid;
 };
-HWY_INLINE WideChoice no_choice() {
-    const Doubles zero(0.0);
-    return {{zero, zero, zero, zero}, nowhere()};
-}
+
+// The first of those that score highest. (What lanes hold is never made by a constructor that the compiler adds: it would be of no target.)
+struct Best {
+    Doubles least, score;
+    WideCandidate point;
+
+    // Scores count from over `from` on.
+    static HWY_INLINE Best over(Doubles from) {
+        const Doubles zero(0.0);
+        return {from, from, {zero, zero, zero, zero}};
+    }
+    HWY_INLINE void offer(DoubleMask reported, Doubles s, const WideCandidate& p) {
+        const DoubleMask better = reported & (s > score);
+        score = select(better, s, score);
+        point = select_point(better, p, point);
+    }
+    HWY_INLINE WideChoice choice() const { return {point, score > least}; }
+};
 
 HWY_INLINE Doubles distance_sq(const WideCandidate& a, const WideCandidate& b) {
     return (b.u - a.u) * (b.u - a.u) + (b.w - a.w) * (b.w - a.w);
@@ -46,17 +60,12 @@ struct Corners {
     WideCandidate at[kCorners];
     DoubleMask reported[kCorners];
 
-    // The first of those reported that score highest, where that is over `least`, which becomes its score.
+    // The first of those reported that score highest, where that is over `least`.
     template <class Score>
-    HWY_INLINE WideChoice best_of(Doubles& least, const Score& score) const {
-        WideChoice best = no_choice();
-        for (int i = 0; i < kCorners; ++i) {
-            const Doubles s = score(at[i]);
-            const DoubleMask better = reported[i] & (s > least);
-            least = select(better, s, least);
-            best = {select_point(better, at[i], best.point), best.valid | better};
-        }
-        return best;
+    HWY_INLINE WideChoice best_of(Doubles least, const Score& score) const {
+        Best best = Best::over(least);
+        for (int i = 0; i < kCorners; ++i) best.offer(reported[i], score(at[i]), at[i]);
+        return best.choice();
     }
 };
 
@@ -66,23 +75,25 @@ struct Choices {
 
 // As choose_outline().
 HWY_INLINE Choices choose_outline(const Corners& corners, Doubles tolerance, Doubles start_u, Doubles start_w) {
-    Doubles score(-std::numeric_limits<double>::infinity());
-    const WideChoice first = corners.best_of(score, [&](const WideCandidate& p) { return p.u * start_u + p.w * start_w; });
+    const Doubles everything(-std::numeric_limits<double>::infinity());
+    const WideChoice first = corners.best_of(everything, [&](const WideCandidate& p) { return p.u * start_u + p.w * start_w; });
     const WideCandidate& a = first.point;
-    Doubles farthest = tolerance * tolerance;
-    const WideChoice second = corners.best_of(farthest, [&](const WideCandidate& p) { return distance_sq(a, p); });
+    const WideChoice second = corners.best_of(tolerance * tolerance, [&](const WideCandidate& p) { return distance_sq(a, p); });
     const WideCandidate& b = second.point;
 
     const Doubles least = tolerance * sqrt(distance_sq(a, b));
-    Doubles area_left = least, area_right = least, area_more = least;
-    const WideChoice left = corners.best_of(area_left, [&](const WideCandidate& p) { return area2(a, b, p); });
-    const WideChoice right = corners.best_of(area_right, [&](const WideCandidate& p) { return -area2(a, b, p); });
-    const DoubleMask is_left = (left.valid & (area_left >= area_right)) | !right.valid;
-    const WideChoice third{select_point(is_left, left.point, right.point), second.valid & (left.valid | right.valid)};
+    Best left = Best::over(least), right = left;
+    for (int i = 0; i < kCorners; ++i) {
+        const Doubles area = area2(a, b, corners.at[i]);
+        left.offer(corners.reported[i], area, corners.at[i]);
+        right.offer(corners.reported[i], -area, corners.at[i]);
+    }
+    const DoubleMask is_left = left.score >= right.score;  // neither is a third point where both are `least`
+    const WideChoice third{select_point(is_left, left.point, right.point), second.valid & (left.choice().valid | right.choice().valid)};
     const WideCandidate& c = third.point;
 
     const Doubles turn = select(is_left, Doubles(-1.0), Doubles(1.0));
-    const WideChoice fourth = corners.best_of(area_more, [&](const WideCandidate& p) {
+    const WideChoice fourth = corners.best_of(least, [&](const WideCandidate& p) {
         return greatest(greatest(turn * area2(a, b, p), turn * area2(b, c, p)), turn * area2(c, a, p));
     });
     return {{first, second, third, {fourth.point, fourth.valid & third.valid}}};
@@ -94,8 +105,7 @@ HWY_INLINE Choices reduce_corners(const Corners& corners, Doubles tolerance, Dou
     WideChoice(&slot)[4] = chosen.slot;
     Doubles lowest = slot[0].point.separation;
     for (int k = 1; k < 4; ++k) lowest = select(slot[k].valid, least(lowest, slot[k].point.separation), lowest);
-    Doubles depth = tolerance - lowest;
-    const WideChoice deepest = corners.best_of(depth, [](const WideCandidate& p) { return -p.separation; });
+    const WideChoice deepest = corners.best_of(tolerance - lowest, [](const WideCandidate& p) { return -p.separation; });
     if (none(deepest.valid)) return chosen;
 
     Doubles nearest = distance_sq(slot[0].point, deepest.point), replaced(0.0);

@@ -46,8 +46,9 @@ double closest_parameter(const Core& core, const dvec3& half) noexcept {
     double low = -1.0, high = 1.0;
     double before = whole_slope(core, half, low), after = whole_slope(core, half, high);
     for (int i = 0; i < 3; ++i) {
+        const double inverse = 1.0 / core.along[i];
         for (const double side : {-half[i], half[i]}) {
-            const double t = (side - core.centre[i]) / core.along[i];
+            const double t = (side - core.centre[i]) * inverse;
             if (!(t > -1.0 && t < 1.0)) continue;
             // Coordinate i is on its face here and adds nothing, whatever rounding says.
             const double slope = slope_of(core, half, t, next(i)) + slope_of(core, half, t, next(next(i)));
@@ -81,11 +82,11 @@ BoxAxis deepest_axis(const Core& core, const dvec3& half, double size) noexcept 
         const int j = next(i), k = next(j);
         const double length_sq = d[k] * d[k] + d[j] * d[j];
         if (!(length_sq > kParallelSine * kParallelSine * dd)) continue;
-        const double length = std::sqrt(length_sq), height = d[k] * c[j] - d[j] * c[k];
-        const double separation = (std::abs(height) - (std::abs(d[k]) * half[j] + std::abs(d[j]) * half[k])) / length;
+        const double inverse = 1.0 / std::sqrt(length_sq), height = d[k] * c[j] - d[j] * c[k];
+        const double separation = (std::abs(height) - (std::abs(d[k]) * half[j] + std::abs(d[j]) * half[k])) * inverse;
         if (!(separation > needed)) continue;
         needed = separation;
-        const double scale = sign_of(height) / length;
+        const double scale = sign_of(height) * inverse;
         axis = {dvec3{0.0}, separation};
         axis.outward[j] = d[k] * scale;
         axis.outward[k] = -d[j] * scale;
@@ -102,22 +103,24 @@ struct Cut {
 // The face that faces the core most, and the stretch of the core over it.
 struct FaceStretch {
     int axis = 0;
-    double sign = 1.0, slope = 1.0;  // of the face's normal along the axis of contact
-    double offset = 0.0;             // of the face
+    double sign = 1.0;           // of its normal
+    double inverse_slope = 1.0;  // of its normal along the axis of contact
+    double offset = 0.0;         // of the face
     Cut low{-1.0, 0}, high{1.0, 0};
     bool empty = false;
 
     // How far the core is from the plane of the face, along the normal of contact.
-    [[nodiscard]] double distance(const dvec3& p) const noexcept { return (sign * p[axis] - offset) / slope; }
+    [[nodiscard]] double distance(const dvec3& p) const noexcept { return (sign * p[axis] - offset) * inverse_slope; }
 };
 
-void cut_by_side(double from, double to, double allowed, std::int32_t edge, FaceStretch& stretch) noexcept {
+// @param from, to  by how much the ends of the core are outside of the side. @param inverse  of their difference.
+void cut_by_side(double from, double to, double inverse, double allowed, std::int32_t edge, FaceStretch& stretch) noexcept {
     if (from <= allowed && to <= allowed) return;
     if (from > allowed && to > allowed) {
         stretch.empty = true;
         return;
     }
-    const double t = 2.0 * clamp01(from / (from - to)) - 1.0;
+    const double t = 2.0 * clamp01(from * inverse) - 1.0;
     if (from > to) {
         if (t > stretch.low.t) stretch.low = {t, edge};
     } else if (t < stretch.high.t) {
@@ -131,17 +134,19 @@ FaceStretch stretch_over_face(const Core& core, const dvec3& half, const dvec3& 
         if (std::abs(outward[i]) > std::abs(outward[stretch.axis])) stretch.axis = i;
     }
     stretch.sign = sign_of(outward[stretch.axis]);
-    stretch.slope = std::abs(outward[stretch.axis]);
+    stretch.inverse_slope = 1.0 / std::abs(outward[stretch.axis]);
     stretch.offset = half[stretch.axis];
     const dvec3 ends[2] = {core.centre - core.along, core.centre + core.along};
     const double distances[2] = {stretch.distance(ends[0]), stretch.distance(ends[1])};
     for (int i = 0; i < 3; ++i) {
         if (i == stretch.axis) continue;
         const double from = ends[0][i] - distances[0] * outward[i], to = ends[1][i] - distances[1] * outward[i];
+        const double inverse = 1.0 / (from - to);
         for (const int side : {0, 1}) {
             const double turn = side == 0 ? -1.0 : 1.0;
             const std::int32_t corner = (side << i) | ((stretch.sign < 0.0 ? 0 : 1) << stretch.axis);
-            cut_by_side(turn * from - half[i], turn * to - half[i], allowed, edge_number(3 - i - stretch.axis, corner), stretch);
+            cut_by_side(turn * from - half[i], turn * to - half[i], turn * inverse, allowed, edge_number(3 - i - stretch.axis, corner),
+                        stretch);
         }
     }
     stretch.empty = stretch.empty || stretch.low.t > stretch.high.t;
@@ -174,7 +179,7 @@ CollideStatus capsule_box(const PairFrame& pair, Workspace&, ManifoldSink& sink)
 
     const double box_size = 2.0 * std::max({half.x, half.y, half.z});
     const bool apart = distance > kTouching * box_size;
-    const BoxAxis axis = apart ? BoxAxis{out / distance, distance} : deepest_axis(core, half, common_size(box_size, core.length));
+    const BoxAxis axis = apart ? BoxAxis{out * (1.0 / distance), distance} : deepest_axis(core, half, common_size(box_size, core.length));
     const double size = common_size(box_size, std::max(core.length, radius));
     const FaceStretch stretch = stretch_over_face(core, half, axis.outward, kInsideTolerance * size);
 

@@ -44,8 +44,9 @@ struct Bracket {
     // Where coordinate i comes in or leaves.
     HWY_INLINE void offer(const Coordinate& i, const Coordinate& j, const Coordinate& k) {
         const Doubles zero(0.0), one(1.0);
+        const Doubles inverse = one / i.along;
         for (const Doubles side : {-i.half, i.half}) {
-            const Doubles t = (side - i.centre) / i.along, slope = j.slope(t) + k.slope(t);
+            const Doubles t = (side - i.centre) * inverse, slope = j.slope(t) + k.slope(t);
             const DoubleMask inside = (t > -one) & (t < one);
             const DoubleMask raises = inside & (slope <= zero) & (t > low), lowers = inside & (slope >= zero) & (t < high);
             low = select(raises, t, low);
@@ -80,12 +81,12 @@ struct EdgeAxis {
 
     // The axis square to the core and to i.
     HWY_INLINE EdgeAxis(const Coordinate& at_j, const Coordinate& at_k, Doubles dd, Doubles& needed) : better(nowhere()) {
-        const Doubles length_sq = at_k.along * at_k.along + at_j.along * at_j.along, length = sqrt(length_sq);
+        const Doubles length_sq = at_k.along * at_k.along + at_j.along * at_j.along, inverse = Doubles(1.0) / sqrt(length_sq);
         const Doubles height = at_k.along * at_j.centre - at_j.along * at_k.centre;
-        separation = (abs(height) - (abs(at_k.along) * at_j.half + abs(at_j.along) * at_k.half)) / length;
+        separation = (abs(height) - (abs(at_k.along) * at_j.half + abs(at_j.along) * at_k.half)) * inverse;
         better = (length_sq > Doubles(kParallelSine * kParallelSine) * dd) & (separation > needed);
         needed = select(better, separation, needed);
-        const Doubles scale = sign_of(height) / length;
+        const Doubles scale = sign_of(height) * inverse;
         j = at_k.along * scale;
         k = (-at_j.along) * scale;
     }
@@ -117,18 +118,20 @@ struct Cut {
 
 struct FaceStretch {
     DoubleMask is_x, is_y, is_z;
-    Doubles sign, slope, offset;
+    Doubles sign, inverse_slope, offset;
     Cut low, high;
     DoubleMask empty;
 
-    HWY_INLINE Doubles distance(const Doubles3& p) const { return (sign * select(is_z, p.z, select(is_y, p.y, p.x)) - offset) / slope; }
+    HWY_INLINE Doubles distance(const Doubles3& p) const {
+        return (sign * select(is_z, p.z, select(is_y, p.y, p.x)) - offset) * inverse_slope;
+    }
 
-    HWY_INLINE void cut_by_side(DoubleMask there, Doubles from, Doubles to, Doubles allowed, Doubles edge) {
+    HWY_INLINE void cut_by_side(DoubleMask there, Doubles from, Doubles to, Doubles inverse, Doubles allowed, Doubles edge) {
         const DoubleMask from_in = from <= allowed, to_in = to <= allowed;
         const DoubleMask from_out = from > allowed, to_out = to > allowed;
         empty = empty | (there & from_out & to_out);
         const DoubleMask cuts = there & !(from_in & to_in) & !(from_out & to_out), enters = from > to;
-        const Doubles t = Doubles(2.0) * clamp01(from / (from - to)) - Doubles(1.0);
+        const Doubles t = Doubles(2.0) * clamp01(from * inverse) - Doubles(1.0);
         const DoubleMask raises = cuts & enters & (t > low.t), lowers = cuts & !enters & (t < high.t);
         low = {select(raises, t, low.t), select(raises, edge, low.edge)};
         high = {select(lowers, t, high.t), select(lowers, edge, high.edge)};
@@ -137,12 +140,14 @@ struct FaceStretch {
     // Both sides of the face along axis i, numbered `number`; edges are called as edge_number() does.
     HWY_INLINE void cut_by_sides(int number, DoubleMask is_i, DoubleMask face_is_next, Doubles from, Doubles to, Doubles half,
                                  Doubles allowed) {
+        const Doubles inverse = Doubles(1.0) / (from - to);
         const Doubles up = select(sign < Doubles(0.0), Doubles(0.0), Doubles(1.0));
         for (int side = 0; side < 2; ++side) {
             const Doubles turn(side == 0 ? -1.0 : 1.0), at_side(side);
             const Doubles along_third = Doubles(4 * ((number + 2) % 3)) + (at_side + Doubles(2.0) * up);
             const Doubles along_next = Doubles(4 * ((number + 1) % 3)) + (up + Doubles(2.0) * at_side);
-            cut_by_side(!is_i, turn * from - half, turn * to - half, allowed, select(face_is_next, along_third, along_next));
+            cut_by_side(!is_i, turn * from - half, turn * to - half, turn * inverse, allowed,
+                        select(face_is_next, along_third, along_next));
         }
     }
 };
@@ -153,10 +158,14 @@ HWY_INLINE FaceStretch stretch_over_face(const Core& core, const Doubles3& outwa
     const Doubles xy = select(over_x, y, x);
     const DoubleMask is_z = z > xy, is_y = over_x & !is_z, is_x = !(over_x | is_z);
     const auto pick = [&](Doubles of_x, Doubles of_y, Doubles of_z) { return select(is_z, of_z, select(is_y, of_y, of_x)); };
-    FaceStretch stretch{is_x,          is_y,
-                        is_z,          sign_of(pick(outward.x, outward.y, outward.z)),
-                        pick(x, y, z), pick(core.x.half, core.y.half, core.z.half),
-                        {-one, zero},  {one, zero},
+    FaceStretch stretch{is_x,
+                        is_y,
+                        is_z,
+                        sign_of(pick(outward.x, outward.y, outward.z)),
+                        one / pick(x, y, z),
+                        pick(core.x.half, core.y.half, core.z.half),
+                        {-one, zero},
+                        {one, zero},
                         nowhere()};
     const auto end = [&](auto&& of) { return Doubles3{of(core.x), of(core.y), of(core.z)}; };
     const Doubles3 from = end([](const Coordinate&i) { return i.centre - i.along; }),
@@ -218,7 +227,7 @@ struct CapsuleBox {
 
         const Doubles box_size = Doubles(2.0) * greatest(greatest(half.x, half.y), half.z), length = Doubles(2.0) * half_segment;
         const DoubleMask apart = distance > Doubles(kTouching) * box_size;
-        BoxAxis axis{over(out, distance), distance};
+        BoxAxis axis{out * (Doubles(1.0) / distance), distance};
         if (!none(touches & !apart)) {
             const BoxAxis deepest = deepest_axis(core, common_size(box_size, length));
             axis = {select(apart, axis.outward, deepest.outward), select(apart, axis.separation, deepest.separation)};

@@ -70,7 +70,7 @@ HWY_INLINE WideFrame frame_of(const PairRows& rows, int lane) {
 struct WideContactPoint {
     Doubles3 position;
     Doubles separation;
-    Doubles feature;  ///< a whole number that a double holds
+    Doubles feature;  ///< a whole number that a double holds, 0 to below 2^63
     DoubleMask valid;
 };
 

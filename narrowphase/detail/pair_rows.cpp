@@ -49,7 +49,7 @@ void ContactRows<Points>::write(std::span<const std::uint32_t> chosen, ManifoldL
         for (const Point& point : points) {
             if ((point.valid >> lane & 1u) == 0) continue;
             manifold.points[manifold.count++] = {read(point.position, lane), static_cast<float>(point.separation.lane[lane]),
-                                                 static_cast<std::uint64_t>(point.feature.lane[lane])};
+                                                 static_cast<std::uint64_t>(static_cast<std::int64_t>(point.feature.lane[lane]))};
         }
     }
 }
