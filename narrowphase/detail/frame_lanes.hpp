@@ -66,6 +66,12 @@ HWY_INLINE WideFrame frame_of(const PairRows& rows, int lane) {
     return {to_world, first.to(second).matrix(), between, to_world.back(between), read(rows.margin)};
 }
 
+/// To memory as floats, rounded to nearest; aligned to as many of them as there are lanes.
+HWY_INLINE void store_rounded(Doubles a, float* to) {
+    const hn::Rebind<float, DoubleTag> floats;
+    hn::Store(hn::DemoteTo(floats, a.raw), floats, to);
+}
+
 /// A point of contact in the frame of the first shape, in the lanes in which it is valid.
 struct WideContactPoint {
     Doubles3 position;
@@ -86,8 +92,8 @@ struct WideContact {
 template <std::size_t Points>
 HWY_INLINE void write_contact(const WideContact<Points>& contact, const WideFrame& frame, bool swapped, int lane,
                               ContactRows<Points>& out) {
-    const auto write = [lane](const Doubles3& v, DoubleBundle(&rows)[3]) {
-        store(v.x, rows[0].lane + lane), store(v.y, rows[1].lane + lane), store(v.z, rows[2].lane + lane);
+    const auto write = [lane](const Doubles3& v, HalfBundle(&rows)[3]) {
+        store_rounded(v.x, rows[0].lane + lane), store_rounded(v.y, rows[1].lane + lane), store_rounded(v.z, rows[2].lane + lane);
     };
     const Doubles3 normal = frame.to_world * contact.normal;
     write(swapped ? -normal : normal, out.normal);
@@ -97,7 +103,7 @@ HWY_INLINE void write_contact(const WideContact<Points>& contact, const WideFram
     const DoubleMask finite = (t.x - t.x == zero) & (t.y - t.y == zero) & (t.z - t.z == zero);
     for (std::size_t k = 0; k < Points; ++k) {
         write(frame.to_world * contact.points[k].position + shift, out.points[k].position);
-        store(contact.points[k].separation, out.points[k].separation.lane + lane);
+        store_rounded(contact.points[k].separation, out.points[k].separation.lane + lane);
         store(contact.points[k].feature, out.points[k].feature.lane + lane);
         out.points[k].valid |= bits(contact.points[k].valid & finite) << lane;
     }

@@ -36,8 +36,8 @@ void PairRows::fill(const BatchInput& input, std::span<const std::uint32_t> chos
 
 template <std::size_t Points>
 void ContactRows<Points>::write(std::span<const std::uint32_t> chosen, ManifoldList& out) const {
-    const auto read = [](const DoubleBundle(&rows)[3], std::size_t lane) {
-        return vec3(static_cast<float>(rows[0].lane[lane]), static_cast<float>(rows[1].lane[lane]), static_cast<float>(rows[2].lane[lane]));
+    const auto read = [](const HalfBundle(&rows)[3], std::size_t lane) {
+        return vec3(rows[0].lane[lane], rows[1].lane[lane], rows[2].lane[lane]);
     };
     unsigned any = 0;
     for (const Point& point : points) any |= point.valid;
@@ -48,7 +48,7 @@ void ContactRows<Points>::write(std::span<const std::uint32_t> chosen, ManifoldL
         manifold.normal = read(normal, lane);
         for (const Point& point : points) {
             if ((point.valid >> lane & 1u) == 0) continue;
-            manifold.points[manifold.count++] = {read(point.position, lane), static_cast<float>(point.separation.lane[lane]),
+            manifold.points[manifold.count++] = {read(point.position, lane), point.separation.lane[lane],
                                                  static_cast<std::uint64_t>(static_cast<std::int64_t>(point.feature.lane[lane]))};
         }
     }

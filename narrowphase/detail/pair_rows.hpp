@@ -21,14 +21,20 @@ struct PairRows {
     void fill(const BatchInput& input, std::span<const std::uint32_t> chosen, bool swapped) noexcept;
 };
 
-/// What touches, with 1, 2 or 4 points at most.
+/// Eight floats beside eight doubles.
+struct alignas(kBundleAlignment / 2) HalfBundle {
+    float lane[kDoubleBundleWidth] = {};
+};
+
+/// What touches, rounded to what manifolds hold, with 1, 2 or 4 points at most.
 template <std::size_t Points>
 struct ContactRows {
     struct Point {
-        DoubleBundle position[3], separation, feature;
+        HalfBundle position[3], separation;
+        DoubleBundle feature;
         unsigned valid = 0;  ///< bits of the lanes
     };
-    DoubleBundle normal[3];
+    HalfBundle normal[3];
     Point points[Points];
 
     /// Appends the manifolds of the pairs that have a point, in their order.
