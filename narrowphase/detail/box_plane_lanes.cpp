@@ -25,29 +25,21 @@ HWY_INLINE WideCandidate select_point(DoubleMask m, const WideCandidate& yes, co
     return {select(m, yes.u, no.u), select(m, yes.w, no.w), select(m, yes.separation, no.separation), select(m, yes.number, no.number)};
 }
 
-// A candidate where there is one.
+// A candidate where there is one. (What lanes hold is never made by a constructor that the compiler adds: it would be of no target.)
 struct WideChoice {
     WideCandidate point;
     DoubleMask valid;
 };
 
-// The first of those that score highest. (What lanes hold is never made by a constructor that the compiler adds: it would be of no target.)
-struct Best {
-    Doubles least, score;
+struct Scored {
+    Doubles score;
     WideCandidate point;
-
-    // Scores count from over `from` on.
-    static HWY_INLINE Best over(Doubles from) {
-        const Doubles zero(0.0);
-        return {from, from, {zero, zero, zero, zero}};
-    }
-    HWY_INLINE void offer(DoubleMask reported, Doubles s, const WideCandidate& p) {
-        const DoubleMask better = reported & (s > score);
-        score = select(better, s, score);
-        point = select_point(better, p, point);
-    }
-    HWY_INLINE WideChoice choice() const { return {point, score > least}; }
 };
+// The first where both score alike.
+HWY_INLINE Scored better_of(const Scored& a, const Scored& b) {
+    const DoubleMask second = b.score > a.score;
+    return {select(second, b.score, a.score), select_point(second, b.point, a.point)};
+}
 
 HWY_INLINE Doubles distance_sq(const WideCandidate& a, const WideCandidate& b) {
     return (b.u - a.u) * (b.u - a.u) + (b.w - a.w) * (b.w - a.w);
@@ -60,12 +52,16 @@ struct Corners {
     WideCandidate at[kCorners];
     DoubleMask reported[kCorners];
 
-    // The first of those reported that score highest, where that is over `least`.
+    // The first of those reported that score highest: round by round, as each comparison waits for those before it.
     template <class Score>
-    HWY_INLINE WideChoice best_of(Doubles least, const Score& score) const {
-        Best best = Best::over(least);
-        for (int i = 0; i < kCorners; ++i) best.offer(reported[i], score(at[i]), at[i]);
-        return best.choice();
+    HWY_INLINE Scored best_of(const Score& score) const {
+        const auto scored = [&](int i) -> Scored {
+            return {select(reported[i], score(at[i]), Doubles(-std::numeric_limits<double>::infinity())), at[i]};
+        };
+        const auto of_four = [&](int i) -> Scored {
+            return better_of(better_of(scored(i), scored(i + 1)), better_of(scored(i + 2), scored(i + 3)));
+        };
+        return better_of(of_four(0), of_four(4));
     }
 };
 
@@ -74,39 +70,34 @@ struct Choices {
 };
 
 // As choose_outline().
-HWY_INLINE Choices choose_outline(const Corners& corners, Doubles tolerance, Doubles start_u, Doubles start_w) {
-    const Doubles everything(-std::numeric_limits<double>::infinity());
-    const WideChoice first = corners.best_of(everything, [&](const WideCandidate& p) { return p.u * start_u + p.w * start_w; });
+HWY_INLINE Choices choose_outline(const Corners& corners, Doubles tolerance, Doubles start_u, Doubles start_w, DoubleMask any) {
+    const Scored first = corners.best_of([&](const WideCandidate& p) { return p.u * start_u + p.w * start_w; });
     const WideCandidate& a = first.point;
-    const WideChoice second = corners.best_of(tolerance * tolerance, [&](const WideCandidate& p) { return distance_sq(a, p); });
+    const Scored second = corners.best_of([&](const WideCandidate& p) { return distance_sq(a, p); });
     const WideCandidate& b = second.point;
 
     const Doubles least = tolerance * sqrt(distance_sq(a, b));
-    Best left = Best::over(least), right = left;
-    for (int i = 0; i < kCorners; ++i) {
-        const Doubles area = area2(a, b, corners.at[i]);
-        left.offer(corners.reported[i], area, corners.at[i]);
-        right.offer(corners.reported[i], -area, corners.at[i]);
-    }
-    const DoubleMask is_left = left.score >= right.score;  // neither is a third point where both are `least`
-    const WideChoice third{select_point(is_left, left.point, right.point), second.valid & (left.choice().valid | right.choice().valid)};
-    const WideCandidate& c = third.point;
+    const Scored left = corners.best_of([&](const WideCandidate& p) { return area2(a, b, p); });
+    const Scored right = corners.best_of([&](const WideCandidate& p) { return -area2(a, b, p); });
+    const DoubleMask is_left = left.score >= right.score;
+    const WideCandidate c = select_point(is_left, left.point, right.point);
 
     const Doubles turn = select(is_left, Doubles(-1.0), Doubles(1.0));
-    const WideChoice fourth = corners.best_of(least, [&](const WideCandidate& p) {
-        return greatest(greatest(turn * area2(a, b, p), turn * area2(b, c, p)), turn * area2(c, a, p));
-    });
-    return {{first, second, third, {fourth.point, fourth.valid & third.valid}}};
+    const Scored fourth = corners.best_of(
+        [&](const WideCandidate& p) { return greatest(greatest(turn * area2(a, b, p), turn * area2(b, c, p)), turn * area2(c, a, p)); });
+    const DoubleMask two = any & (second.score > tolerance * tolerance), three = two & (greatest(left.score, right.score) > least);
+    return {{{a, any}, {b, two}, {c, three}, {fourth.point, three & (fourth.score > least)}}};
 }
 
 // As reduce_points().
-HWY_INLINE Choices reduce_corners(const Corners& corners, Doubles tolerance, Doubles start_u, Doubles start_w) {
-    Choices chosen = choose_outline(corners, tolerance, start_u, start_w);
+HWY_INLINE Choices reduce_corners(const Corners& corners, Doubles tolerance, Doubles start_u, Doubles start_w, DoubleMask any) {
+    Choices chosen = choose_outline(corners, tolerance, start_u, start_w, any);
     WideChoice(&slot)[4] = chosen.slot;
     Doubles lowest = slot[0].point.separation;
     for (int k = 1; k < 4; ++k) lowest = select(slot[k].valid, least(lowest, slot[k].point.separation), lowest);
-    const WideChoice deepest = corners.best_of(tolerance - lowest, [](const WideCandidate& p) { return -p.separation; });
-    if (none(deepest.valid)) return chosen;
+    const Scored deepest = corners.best_of([](const WideCandidate& p) { return -p.separation; });
+    const DoubleMask deeper = any & (deepest.score > tolerance - lowest);
+    if (none(deeper)) return chosen;
 
     Doubles nearest = distance_sq(slot[0].point, deepest.point), replaced(0.0);
     for (int k = 1; k < 4; ++k) {
@@ -116,11 +107,11 @@ HWY_INLINE Choices reduce_corners(const Corners& corners, Doubles tolerance, Dou
         replaced = select(nearer, Doubles(k), replaced);
     }
     // It comes after the last of fewer than four, or in place of the nearest.
-    const DoubleMask added = (deepest.valid & !slot[3].valid) & (nearest > tolerance * tolerance);
+    const DoubleMask added = (deeper & !slot[3].valid) & (nearest > tolerance * tolerance);
     const DoubleMask had[4] = {slot[0].valid, slot[1].valid, slot[2].valid, slot[3].valid};
     for (int k = 0; k < 4; ++k) {
         const DoubleMask after_last = k == 0 ? nowhere() : added & had[k - 1] & !had[k];
-        const DoubleMask here = after_last | (deepest.valid & !added & (replaced == Doubles(k)));
+        const DoubleMask here = after_last | (deeper & !added & (replaced == Doubles(k)));
         slot[k] = {select_point(here, deepest.point, slot[k].point), had[k] | after_last};
     }
     return chosen;
@@ -160,7 +151,7 @@ struct BoxPlane {
 
         const Doubles3 start = outline_start(plane.normal);
         const Doubles tolerance = Doubles(kPointTolerance) * greatest(greatest(half.x, half.y), half.z);
-        const Choices chosen = reduce_corners(corners, tolerance, dot(start, axis_u), dot(start, axis_w));
+        const Choices chosen = reduce_corners(corners, tolerance, dot(start, axis_u), dot(start, axis_w), any);
         for (int k = 0; k < 4; ++k) {
             const auto& [point, valid] = chosen.slot[k];
             const DoubleMask z = point.number >= four;
