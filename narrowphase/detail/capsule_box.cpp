@@ -107,8 +107,9 @@ struct FaceStretch {
     double inverse_slope = 1.0;  // of its normal along the axis of contact
     double offset = 0.0;         // of the face
     Cut low{-1.0, 0}, high{1.0, 0};
-    bool empty = false;
 
+    // By rounding alone: where the core is nearest it is over the face.
+    [[nodiscard]] bool is_empty() const noexcept { return low.t > high.t; }
     // How far the core is from the plane of the face, along the normal of contact.
     [[nodiscard]] double distance(const dvec3& p) const noexcept { return (sign * p[axis] - offset) * inverse_slope; }
 };
@@ -116,10 +117,6 @@ struct FaceStretch {
 // @param from, to  by how much the ends of the core are outside of the side. @param inverse  of their difference.
 void cut_by_side(double from, double to, double inverse, double allowed, std::int32_t edge, FaceStretch& stretch) noexcept {
     if (from <= allowed && to <= allowed) return;
-    if (from > allowed && to > allowed) {
-        stretch.empty = true;
-        return;
-    }
     const double t = 2.0 * clamp01(from * inverse) - 1.0;
     if (from > to) {
         if (t > stretch.low.t) stretch.low = {t, edge};
@@ -149,7 +146,6 @@ FaceStretch stretch_over_face(const Core& core, const dvec3& half, const dvec3& 
                         stretch);
         }
     }
-    stretch.empty = stretch.empty || stretch.low.t > stretch.high.t;
     return stretch;
 }
 
@@ -189,7 +185,7 @@ CollideStatus capsule_box(const PairFrame& pair, Workspace&, ManifoldSink& sink)
         add_ball(patch, dvec3{0.0, s * half_segment, 0.0}, radius, separation, name);
     };
     const double low = stretch.distance(core.at(stretch.low.t)), high = stretch.distance(core.at(stretch.high.t));
-    const bool has_low = !stretch.empty && low - radius <= pair.margin, has_high = !stretch.empty && high - radius <= pair.margin;
+    const bool has_low = !stretch.is_empty() && low - radius <= pair.margin, has_high = !stretch.is_empty() && high - radius <= pair.margin;
     const dvec3 across = glm::cross(axis.outward, core.along) * (stretch.high.t - stretch.low.t);
     const double tolerance = kPointTolerance * size;
     if (has_low && has_high && glm::dot(across, across) > tolerance * tolerance) {

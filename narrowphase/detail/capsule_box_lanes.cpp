@@ -120,17 +120,14 @@ struct FaceStretch {
     DoubleMask is_x, is_y, is_z;
     Doubles sign, inverse_slope, offset;
     Cut low, high;
-    DoubleMask empty;
+    HWY_INLINE DoubleMask is_empty() const { return low.t > high.t; }
 
     HWY_INLINE Doubles distance(const Doubles3& p) const {
         return (sign * select(is_z, p.z, select(is_y, p.y, p.x)) - offset) * inverse_slope;
     }
 
     HWY_INLINE void cut_by_side(DoubleMask there, Doubles from, Doubles to, Doubles inverse, Doubles allowed, Doubles edge) {
-        const DoubleMask from_in = from <= allowed, to_in = to <= allowed;
-        const DoubleMask from_out = from > allowed, to_out = to > allowed;
-        empty = empty | (there & from_out & to_out);
-        const DoubleMask cuts = there & !(from_in & to_in) & !(from_out & to_out), enters = from > to;
+        const DoubleMask cuts = there & !((from <= allowed) & (to <= allowed)), enters = from > to;
         const Doubles t = Doubles(2.0) * clamp01(from * inverse) - Doubles(1.0);
         const DoubleMask raises = cuts & enters & (t > low.t), lowers = cuts & !enters & (t < high.t);
         low = {select(raises, t, low.t), select(raises, edge, low.edge)};
@@ -165,8 +162,7 @@ HWY_INLINE FaceStretch stretch_over_face(const Core& core, const Doubles3& outwa
                         one / pick(x, y, z),
                         pick(core.x.half, core.y.half, core.z.half),
                         {-one, zero},
-                        {one, zero},
-                        nowhere()};
+                        {one, zero}};
     const auto end = [&](auto&& of) { return Doubles3{of(core.x), of(core.y), of(core.z)}; };
     const Doubles3 from = end([](const Coordinate&i) { return i.centre - i.along; }),
                    to = end([](const Coordinate&i) { return i.centre + i.along; });
@@ -174,7 +170,6 @@ HWY_INLINE FaceStretch stretch_over_face(const Core& core, const Doubles3& outwa
     stretch.cut_by_sides(0, is_x, is_y, from_in_face.x, to_in_face.x, core.x.half, allowed);
     stretch.cut_by_sides(1, is_y, is_z, from_in_face.y, to_in_face.y, core.y.half, allowed);
     stretch.cut_by_sides(2, is_z, is_x, from_in_face.z, to_in_face.z, core.z.half, allowed);
-    stretch.empty = stretch.empty | (stretch.low.t > stretch.high.t);
     return stretch;
 }
 
@@ -191,7 +186,7 @@ HWY_INLINE WideContact<2> points_of(const WideFrame& f, const Core& core, Double
     const FaceStretch stretch = stretch_over_face(core, axis.outward, Doubles(kInsideTolerance) * size);
     const Cut &low = stretch.low, &high = stretch.high;
     const Doubles low_distance = stretch.distance(core.at(low.t)), high_distance = stretch.distance(core.at(high.t));
-    const DoubleMask over = touches & !stretch.empty;
+    const DoubleMask over = touches & !stretch.is_empty();
     const DoubleMask has_low = over & (low_distance - radius <= f.margin), has_high = over & (high_distance - radius <= f.margin);
     const Doubles3 along{core.x.along, core.y.along, core.z.along}, across = cross(axis.outward, along) * (high.t - low.t);
     const Doubles tolerance = Doubles(kPointTolerance) * size;

@@ -156,6 +156,27 @@ TEST(CapsuleBox, NamesSurviveSmallMotion) {
     EXPECT_GT(over_edge, 300);
 }
 
+// What two points would carry side by side is one point: over a face by less than a millionth of the size, or standing upright.
+TEST(CapsuleBox, PointsFartherApartThanTheToleranceAreTwo) {
+    const Capsule capsule{0.2f, 0.5f};
+    const Box box{{1.0f, 0.5f, 1.0f}};
+    const dquat lying = about({0, 0, 1}, 0.5 * kPi);
+    for (const double over : {0.3, 1e-2, 1e-4, 1e-5, 1e-7, 1e-9}) {
+        const std::vector<Manifold> found = collide_all(capsule, {{1.5 - over, 0.699, 0.1}, lying}, box, {}, 0.01f);
+        ASSERT_EQ(found.size(), 1u) << over;
+        EXPECT_EQ(found[0].count, over > 5e-6 ? 2u : 1u) << over;
+        EXPECT_NEAR(least_separation(found[0]), -0.001f, 1e-7f) << over;
+    }
+    for (const double tilt : {0.1, 1e-3, 1e-5, 1e-7, 0.0}) {  // the upper end is within the margin
+        const Pose standing{{0.1, 1.199, -0.2}, about({1, 0, 1}, tilt)};
+        const std::vector<Manifold> found = collide_all(capsule, standing, box, {}, 2.0f);
+        ASSERT_EQ(found.size(), 1u) << tilt;
+        EXPECT_EQ(found[0].count, tilt > 5e-6 ? 2u : 1u) << tilt;
+        EXPECT_NEAR(static_cast<double>(least_separation(found[0])), 1.199 - 0.5 * std::cos(tilt) - 0.7, 1e-7) << tilt;
+        EXPECT_TRUE(collide_all(capsule, standing, box, {}, 0.01f)[0].count == 1u) << tilt;
+    }
+}
+
 // Inside or across a box, where two ways out are equally short, there is a unit normal and the depth is right.
 TEST(CapsuleBox, ConcentricOnesPartAlongAFace) {
     const Box box{{0.5f, 0.5f, 0.5f}};
