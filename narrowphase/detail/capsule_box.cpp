@@ -100,7 +100,8 @@ struct Cut {
     std::int32_t edge = 0;
 };
 
-// The face that faces the core most, and the stretch of the core over it.
+// The face that faces the core most, and the stretch of the core over it. There is one, as the core is over the face where it is nearest;
+// where that is a point, rounding may leave low a little after high.
 struct FaceStretch {
     int axis = 0;
     double sign = 1.0;           // of its normal
@@ -108,8 +109,6 @@ struct FaceStretch {
     double offset = 0.0;         // of the face
     Cut low{-1.0, 0}, high{1.0, 0};
 
-    // By rounding alone: where the core is nearest it is over the face.
-    [[nodiscard]] bool is_empty() const noexcept { return low.t > high.t; }
     // How far the core is from the plane of the face, along the normal of contact.
     [[nodiscard]] double distance(const dvec3& p) const noexcept { return (sign * p[axis] - offset) * inverse_slope; }
 };
@@ -185,7 +184,7 @@ CollideStatus capsule_box(const PairFrame& pair, Workspace&, ManifoldSink& sink)
         add_ball(patch, dvec3{0.0, s * half_segment, 0.0}, radius, separation, name);
     };
     const double low = stretch.distance(core.at(stretch.low.t)), high = stretch.distance(core.at(stretch.high.t));
-    const bool has_low = !stretch.is_empty() && low - radius <= pair.margin, has_high = !stretch.is_empty() && high - radius <= pair.margin;
+    const bool has_low = low - radius <= pair.margin, has_high = high - radius <= pair.margin;
     const dvec3 across = glm::cross(axis.outward, core.along) * (stretch.high.t - stretch.low.t);
     const double tolerance = kPointTolerance * size;
     if (has_low && has_high && glm::dot(across, across) > tolerance * tolerance) {

@@ -120,8 +120,6 @@ struct FaceStretch {
     DoubleMask is_x, is_y, is_z;
     Doubles sign, inverse_slope, offset;
     Cut low, high;
-    HWY_INLINE DoubleMask is_empty() const { return low.t > high.t; }
-
     HWY_INLINE Doubles distance(const Doubles3& p) const {
         return (sign * select(is_z, p.z, select(is_y, p.y, p.x)) - offset) * inverse_slope;
     }
@@ -186,8 +184,7 @@ HWY_INLINE WideContact<2> points_of(const WideFrame& f, const Core& core, Double
     const FaceStretch stretch = stretch_over_face(core, axis.outward, Doubles(kInsideTolerance) * size);
     const Cut &low = stretch.low, &high = stretch.high;
     const Doubles low_distance = stretch.distance(core.at(low.t)), high_distance = stretch.distance(core.at(high.t));
-    const DoubleMask over = touches & !stretch.is_empty();
-    const DoubleMask has_low = over & (low_distance - radius <= f.margin), has_high = over & (high_distance - radius <= f.margin);
+    const DoubleMask has_low = touches & (low_distance - radius <= f.margin), has_high = touches & (high_distance - radius <= f.margin);
     const Doubles3 along{core.x.along, core.y.along, core.z.along}, across = cross(axis.outward, along) * (high.t - low.t);
     const Doubles tolerance = Doubles(kPointTolerance) * size;
     const DoubleMask two = has_low & has_high & (dot(across, across) > tolerance * tolerance);

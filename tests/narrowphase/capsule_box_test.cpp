@@ -177,6 +177,25 @@ TEST(CapsuleBox, PointsFartherApartThanTheToleranceAreTwo) {
     }
 }
 
+// Beside an edge, parallel to it or all but so, where the core is over the line of the edge but for rounding.
+TEST(CapsuleBox, ACapsuleAlongAnEdgeHasTwoPoints) {
+    Random r(92);
+    for (int i = 0; i < 3000; ++i) {
+        const Box box{{1.0f, 0.5f, 0.8f}};
+        const Capsule capsule{0.2f, 0.4f};
+        const double angle = r.range(0.01, 0.5 * kPi - 0.01), tilt = i % 2 == 0 ? 0.0 : std::exp2(r.range(-54.0, -36.0));
+        const dvec3 outward{std::sin(angle), std::cos(angle), 0.0};
+        const Pose along{dvec3{1.0, 0.5, r.range(-0.3, 0.3)} + 0.199 * outward,
+                         about(random_direction(r), tilt) * about({1, 0, 0}, 0.5 * kPi)};
+        const Pose placed{random_direction(r), random_rotation(r)};
+        const std::vector<Manifold> found = collide_all(capsule, placed * along, box, placed, 0.01f);
+        ASSERT_EQ(found.size(), 1u) << i;
+        ASSERT_EQ(found[0].count, 2u) << i;
+        ASSERT_LT(glm::length(dvec3(found[0].normal) + rotate(placed.orientation, outward)), 1e-6) << i;
+        for (const ContactPoint& p : found[0].used()) ASSERT_NEAR(p.separation, -0.001f, 1e-6f) << i;
+    }
+}
+
 // Inside or across a box, where two ways out are equally short, there is a unit normal and the depth is right.
 TEST(CapsuleBox, ConcentricOnesPartAlongAFace) {
     const Box box{{0.5f, 0.5f, 0.5f}};
