@@ -196,6 +196,26 @@ TEST(CapsuleBox, ACapsuleAlongAnEdgeHasTwoPoints) {
     }
 }
 
+// At the margin to the last bit: whoever touches has a point.
+TEST(CapsuleBox, WhatTouchesHasAPoint) {
+    Random r(93);
+    const Box box{{1.0f, 0.5f, 0.75f}};
+    int touching = 0, apart = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const Capsule capsule{static_cast<float>(r.range(0.1, 1.0)), i % 4 == 0 ? 0.0f : 0.5f};
+        const dquat turn = random_rotation(r);
+        const dvec3 along = rotate(turn, dvec3{0.0, static_cast<double>(capsule.half_segment), 0.0});
+        // The lower end of the core is a radius away from a corner, and the rest of it farther.
+        const dvec3 outward = glm::abs(random_direction(r)), corner = dvec3(box.half_extents) * glm::sign(along + dvec3{1e-300});
+        const Pose pose{corner + glm::sign(corner) * outward * static_cast<double>(capsule.radius) + along, turn};
+        const std::vector<Manifold> found = collide_all(capsule, pose, box, {}, 0.0f);
+        (found.empty() ? apart : touching)++;
+        for (const Manifold& m : found) ASSERT_GE(m.count, 1u) << i;
+    }
+    EXPECT_GT(touching, 5000);
+    EXPECT_GT(apart, 5000);
+}
+
 // Inside or across a box, where two ways out are equally short, there is a unit normal and the depth is right.
 TEST(CapsuleBox, ConcentricOnesPartAlongAFace) {
     const Box box{{0.5f, 0.5f, 0.5f}};
