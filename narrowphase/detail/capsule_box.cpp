@@ -23,7 +23,6 @@ namespace {
 struct Core {
     dvec3 centre{0.0}, along{0.0};  // c, d
     double length = 0.0;            // of the whole segment
-    double radius = 0.0;
     [[nodiscard]] dvec3 at(double t) const noexcept { return centre + t * along; }
 };
 
@@ -164,7 +163,7 @@ CollideStatus capsule_box(const PairFrame& pair, Workspace&, ManifoldSink& sink)
     const dvec3 half(as<Box>(pair.second).half_extents);
     const double half_segment = static_cast<double>(capsule.half_segment), radius = static_cast<double>(capsule.radius);
     const dvec3 axis_y{pair.rotation[0].y, pair.rotation[1].y, pair.rotation[2].y};
-    const Core core{pair.to_second(dvec3{0.0}), half_segment * axis_y, 2.0 * half_segment, radius};
+    const Core core{pair.to_second(dvec3{0.0}), half_segment * axis_y, 2.0 * half_segment};
 
     const double t = closest_parameter(core, half);
     const dvec3 nearest = core.at(t);
