@@ -77,6 +77,7 @@ std::string contact_text(const PairExplanation& c) {
     if (c.axis) text += axis_text(*c.axis);
     if (c.distance) text += distance_text(*c.distance);
     text += line("verdict", fmt::format("{}{}", to_string(c.verdict), c.status == CollideStatus::Ok ? "" : "; collide() stopped at its cap"));
+    if (c.back_face) text += line("mesh", "back face, one-sided: collide() does not look at it");
     return text + manifolds_text(c);
 }
 
@@ -142,6 +143,7 @@ Json contact_json(const PairExplanation& c) {
             {"part_a", c.part_a},
             {"part_b", c.part_b},
             {"triangle", c.triangle},
+            {"back_face", c.back_face},
             {"axis", c.axis ? axis_json(*c.axis) : Json(nullptr)},
             {"distance", c.distance ? distance_json(*c.distance) : Json(nullptr)},
             {"decided", c.status == CollideStatus::Ok},

@@ -37,12 +37,14 @@ void visit_below(const WideBvh& tree, WideRef ref, const Aabb& box, int depth, F
 
 TriangleMesh::~TriangleMesh() = default;
 
-Result<TriangleMeshPtr> TriangleMesh::build(std::span<const vec3> vertices, std::span<const Triangle> triangles) {
+Result<TriangleMeshPtr> TriangleMesh::build(std::span<const vec3> vertices, std::span<const Triangle> triangles,
+                                            const TriangleMeshSettings& settings) {
     SerialExecutor serial;
-    return build(vertices, triangles, serial);
+    return build(vertices, triangles, serial, settings);
 }
 
-Result<TriangleMeshPtr> TriangleMesh::build(std::span<const vec3> vertices, std::span<const Triangle> triangles, Executor& executor) {
+Result<TriangleMeshPtr> TriangleMesh::build(std::span<const vec3> vertices, std::span<const Triangle> triangles, Executor& executor,
+                                            const TriangleMeshSettings& settings) {
     if (Status status = check_mesh(vertices, triangles, "TriangleMesh::build"); !status) {
         return status.error();
     }
@@ -58,6 +60,7 @@ Result<TriangleMeshPtr> TriangleMesh::build(std::span<const vec3> vertices, std:
     const SurfaceKind kind = surface_kind(vertices, triangles);
     mesh->closed_ = kind == SurfaceKind::Closed;
     mesh->oriented_ = kind != SurfaceKind::Loose;
+    mesh->one_sided_ = settings.one_sided;
     return TriangleMeshPtr(std::move(mesh));
 }
 

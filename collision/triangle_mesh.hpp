@@ -20,7 +20,13 @@
 
 namespace carom {
 
-/// A surface of triangles, counter-clockwise seen from outside. Both sides collide.
+struct TriangleMeshSettings {
+    /// Back faces, those seen clockwise, do not collide: a convex shape, a part of a compound or another mesh meets the mesh only while its
+    /// centre is in front of it. What comes from behind passes; once its centre has come through, the front leads the rest of it out.
+    bool one_sided = false;
+};
+
+/// A surface of triangles, counter-clockwise seen from outside. Both sides collide, unless it is one-sided; rays hit both sides always.
 class TriangleMesh {
 public:
     using Triangle = std::array<std::uint32_t, 3>;
@@ -28,10 +34,11 @@ public:
     /// @param vertices   (n,) [m], finite.
     /// @param triangles  (m,) indices below n, m >= 1. Triangles of zero area are kept and counted (see degenerate_count).
     /// @return the mesh; Empty, NotFinite or InvalidArgument (an index out of range, by triangle; more than 2^28 triangles).
-    [[nodiscard]] static Result<TriangleMeshPtr> build(std::span<const vec3> vertices, std::span<const Triangle> triangles);
+    [[nodiscard]] static Result<TriangleMeshPtr> build(std::span<const vec3> vertices, std::span<const Triangle> triangles,
+                                                       const TriangleMeshSettings& settings = {});
     /// The same; `executor` builds the hierarchy of a large mesh in parallel, with the same result.
     [[nodiscard]] static Result<TriangleMeshPtr> build(std::span<const vec3> vertices, std::span<const Triangle> triangles,
-                                                       Executor& executor);
+                                                       Executor& executor, const TriangleMeshSettings& settings = {});
     ~TriangleMesh();
 
     [[nodiscard]] std::span<const vec3> vertices() const noexcept { return vertices_; }
@@ -44,6 +51,8 @@ public:
     [[nodiscard]] bool is_closed() const noexcept { return closed_; }
     /// @return true if no edge is run along twice in one direction: neighbours are wound alike, and at most two meet in an edge.
     [[nodiscard]] bool is_oriented() const noexcept { return oriented_; }
+    /// @return whether back faces do not collide. Such a mesh fits static and kinematic bodies only.
+    [[nodiscard]] bool is_one_sided() const noexcept { return one_sided_; }
     /// @return how many triangles have zero area.
     [[nodiscard]] std::size_t degenerate_count() const noexcept { return degenerate_count_; }
     /// @return the box of the vertices.
@@ -67,6 +76,7 @@ private:
     std::size_t degenerate_count_ = 0;
     bool closed_ = false;
     bool oriented_ = true;
+    bool one_sided_ = false;
 };
 
 }  // namespace carom

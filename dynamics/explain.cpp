@@ -86,7 +86,7 @@ public:
         }
         add_contact(listed, pair);
         if (!passes) return pair;
-        pair.rung = candidate == nullptr ? (pair.bounds->gap > 0.0 ? Rung::Bounds : Rung::PairLimit) : rung_of(*pair.found);
+        pair.rung = candidate == nullptr ? (pair.bounds->gap > 0.0 ? Rung::Bounds : Rung::PairLimit) : rung_of(pair);
         return pair;
     }
 
@@ -218,8 +218,10 @@ private:
         return std::span(set.manifolds).subspan(found->first_manifold, found->manifold_count);
     }
 
-    [[nodiscard]] static Rung rung_of(const StepContacts& found) {
-        if (found.points == 0) return Rung::Distance;
+    [[nodiscard]] static Rung rung_of(const ShapePairExplanation& pair) {
+        const StepContacts& found = *pair.found;
+        const bool is_near = !pair.contact->axis || pair.contact->axis->gap <= pair.contact->margin;
+        if (found.points == 0) return pair.contact->back_face && is_near ? Rung::BackFace : Rung::Distance;
         return found.least_separation <= 0.0 ? Rung::Touch : Rung::Margin;
     }
 

@@ -30,11 +30,13 @@ enum class Rung : unsigned char {
     Bounds,        ///< the boxes around the predicted motion do not overlap; of a plane: the box does not come near it
     PairLimit,     ///< more boxes overlap than WorldDef::pair_limit
     Distance,      ///< farther apart than the margin of the step
+    BackFace,      ///< one of them is a one-sided mesh with its back towards the other's centre
     Margin,        ///< contacts within the margin, none of which touches
     Touch,         ///< at least one contact touches
 };
 
-/// @return "same body", "no shapes", "filter", "asleep", "joined", "no step", "out of step", "bounds", "pair limit", "distance", "margin", "touch".
+/// @return "same body", "no shapes", "filter", "asleep", "joined", "no step", "out of step", "bounds", "pair limit", "distance",
+/// "back face", "margin", "touch".
 [[nodiscard]] const char* to_string(Rung rung) noexcept;
 
 /// Layers, masks and who moves, of the two shapes.

@@ -2,6 +2,7 @@
 #include <carom/dynamics/world.hpp>
 
 #include <carom/collision/aabb.hpp>
+#include <carom/collision/triangle_mesh.hpp>
 #include <carom/core/check.hpp>
 #include <carom/dynamics/detail/integrator.hpp>
 #include <carom/dynamics/detail/world_impl.hpp>
@@ -189,6 +190,8 @@ ShapeId World::add_shape(BodyId body, Shape shape, const ShapeDef& def) {
                   "the shape reaches farther than 1e30 m from its body", {});
     if (record->type == BodyType::Dynamic) {
         CAROM_REQUIRE(is_bounded(shape), ErrorCode::WrongType, "planes only on static and kinematic bodies", {});
+        const TriangleMeshPtr* const mesh = std::get_if<TriangleMeshPtr>(&shape);
+        CAROM_REQUIRE(mesh == nullptr || !(*mesh)->is_one_sided(), ErrorCode::WrongType, "one-sided meshes only on static and kinematic bodies", {});
     }
     ShapeDef kept = def;
     kept.local.orientation = glm::normalize(def.local.orientation);

@@ -98,8 +98,8 @@ public:
     /// Removes the body, its shapes and its joints.
     void destroy_body(BodyId body);
     /// Adds a shape; the mass of a dynamic body is then the sum over its shapes, and over the parts of compounds: of a closed mesh that of
-    /// its solid, of an open one that of its hull. Planes only on static and kinematic bodies, and no flat mesh on a dynamic one: both are
-    /// refused as WrongType or Degenerate. Mass and moments of inertia must be within 1e-30 .. 1e30 (kg, kg m²) and no bounded shape may
+    /// its solid, of an open one that of its hull. Planes and one-sided meshes only on static and kinematic bodies, and no flat mesh on a dynamic
+    /// one: refused as WrongType or Degenerate. Mass and moments of inertia must be within 1e-30 .. 1e30 (kg, kg m²) and no bounded shape may
     /// reach farther than 1e30 m: the floats of solver and broadphase hold no others. set_mass_properties asks the same of masses.
     ShapeId add_shape(BodyId body, Shape shape, const ShapeDef& def = {});
 

@@ -4,6 +4,7 @@
 #include <carom/collision/triangle_mesh.hpp>
 #include <carom/core/check.hpp>
 #include <carom/narrowphase/detail/check_pair.hpp>
+#include <carom/narrowphase/detail/one_sided.hpp>
 #include <carom/narrowphase/detail/piece_pair.hpp>
 
 #include <glm/common.hpp>
@@ -43,6 +44,10 @@ struct Nearest {
     PieceFinding finding;
     std::uint32_t part_a = 0, part_b = 0, triangle = 0;
     ConvexPiece a, b;  // b: nothing of a plane
+    bool back_face = false;
+
+    /// Whether what is `gap` away at least cannot take its place: what a one-sided mesh turns its front to goes before all else.
+    [[nodiscard]] bool stays(bool is_back, double gap) const { return found && (is_back != back_face ? is_back : gap >= finding.axis.gap); }
 };
 
 bool is_solid(const Shape& shape) { return type_of(shape) == ShapeType::Compound || is_convex_solid(type_of(shape)); }
@@ -133,10 +138,13 @@ Nearest nearest_of_mesh_to_plane(const Placed& mesh, const Placed& plane) {
 }
 
 /// Looks at the triangles near one part, farther and farther out until one is nearer than what was looked at.
-void look_at_triangles(const Part& part, const Placed& mesh, double reach, const std::vector<Manifold>& manifolds, bool swapped, Nearest& best) {
+void look_at_triangles(const Part& part, const Placed& mesh, double reach, const std::vector<Manifold>& manifolds, bool swapped,
+                       Nearest& best) {
     const TriangleMesh& triangles = *std::get<TriangleMeshPtr>(mesh.shape);
     const dvec3 middle = (0.5 * (part.piece.box.lower + part.piece.box.upper) - mesh.origin) * mesh.axes;
     const double radius = 0.5 * glm::length(part.piece.box.upper - part.piece.box.lower);
+    const dvec3 centre = (part.piece.centre() - mesh.origin) * mesh.axes;
+    const bool is_behind = triangles.is_one_sided() && detail::is_behind(triangles, centre);
     const std::vector<dvec3> normals = swapped ? contact_normals(manifolds, 0, part.number) : contact_normals(manifolds, part.number, 0);
     std::vector<dvec3> towards_mesh = normals;
     if (swapped) {
@@ -149,16 +157,18 @@ void look_at_triangles(const Part& part, const Placed& mesh, double reach, const
             const std::array<dvec3, 3> corners = corners_of(mesh, t);
             Aabb box;
             for (const dvec3& corner : corners) box = merge(box, {corner, corner});
-            if (best.found && box_gap(part.piece.box, box) > best.finding.axis.gap) return true;
+            const bool is_back = is_behind || (triangles.is_one_sided() && detail::is_behind(triangles, t, centre));
+            if (best.stays(is_back, box_gap(part.piece.box, box))) return true;
             ConvexPiece triangle = detail::make_triangle(corners);
             if (!triangle.polytope) return true;  // without an area it collides with nothing
             PieceFinding finding = detail::compare(part.piece, triangle, towards_mesh);
-            if (best.found && !(finding.axis.gap < best.finding.axis.gap)) return true;
-            best = {true, std::move(finding), part.number, 0, t, part.piece, std::move(triangle)};
+            if (best.stays(is_back, finding.axis.gap)) return true;
+            best = {true, std::move(finding), part.number, 0, t, part.piece, std::move(triangle), is_back};
             return true;
         });
-        const bool all = glm::all(glm::lessThanEqual(around.lower, whole.lower)) && glm::all(glm::greaterThanEqual(around.upper, whole.upper));
-        if (all || (best.found && best.finding.axis.gap <= r)) return;
+        const bool all =
+            glm::all(glm::lessThanEqual(around.lower, whole.lower)) && glm::all(glm::greaterThanEqual(around.upper, whole.upper));
+        if (all || (best.found && (is_behind || !best.back_face) && best.finding.axis.gap <= r)) return;
     }
 }
 
@@ -208,7 +218,9 @@ std::optional<FacePatch> patch_of(const Nearest& nearest, const Manifold& manifo
 }
 
 /// What collide() has to have said of the pieces that come nearest.
-std::string disagreement_of(const ShapePair& pair, const Nearest& nearest, CollideStatus status, const Manifold* deepest_one, float separation) {
+std::string disagreement_of(const ShapePair& pair, const Nearest& nearest, CollideStatus status, const Manifold* deepest_one,
+                            float separation) {
+    if (nearest.back_face) return deepest_one == nullptr ? "" : "contacts are reported although the mesh is one-sided and shows its back";
     const ShapeType type_a = type_of(*pair.a), type_b = type_of(*pair.b);
     const bool smooth = nearest.a.turned.has_value() || nearest.b.turned.has_value();
     double size = std::max(nearest.a.size(), nearest.b.size());
@@ -218,7 +230,8 @@ std::string disagreement_of(const ShapePair& pair, const Nearest& nearest, Colli
     const bool boxes = type_a == ShapeType::Box && type_b == ShapeType::Box;
     const double gap = boxes ? nearest.finding.sat_gap.value_or(nearest.finding.axis.gap) : nearest.finding.axis.gap;
     const double margin = static_cast<double>(pair.margin);
-    if (deepest_one != nullptr && gap > margin + tolerance) return "contacts are reported although the two are farther apart than the margin";
+    if (deepest_one != nullptr && gap > margin + tolerance)
+        return "contacts are reported although the two are farther apart than the margin";
     if (deepest_one == nullptr && gap < margin - tolerance) return "no contact is reported although the two are nearer than the margin";
     const bool of_mesh = type_a == ShapeType::TriangleMesh || type_b == ShapeType::TriangleMesh;
     if (deepest_one == nullptr || of_mesh || status != CollideStatus::Ok) return "";
@@ -226,6 +239,15 @@ std::string disagreement_of(const ShapePair& pair, const Nearest& nearest, Colli
     const double above = static_cast<double>(separation) - gap;
     const bool same = std::abs(above) <= tolerance || (boxes && gap > 0.0 && above > 0.0);
     return same ? "" : "the deepest contact is not as deep as the two overlap along the best axis";
+}
+
+/// Whether a mesh is one-sided and has its back towards the middle of another one.
+bool shows_back(const Placed& mesh, const Placed& other) {
+    const TriangleMeshPtr *own = std::get_if<TriangleMeshPtr>(&mesh.shape), *that = std::get_if<TriangleMeshPtr>(&other.shape);
+    if (own == nullptr || that == nullptr || !(*own)->is_one_sided()) return false;
+    const Aabb& box = (*that)->local_bounds();
+    const dvec3 middle = other.origin + other.axes * (0.5 * (box.lower + box.upper));
+    return detail::is_behind(**own, (middle - mesh.origin) * mesh.axes);
 }
 
 }  // namespace
@@ -249,12 +271,14 @@ PairExplanation explain(const ShapePair& pair) {
     if (!nearest.found) {  // two meshes, or a mesh without areas: what collide() says is all that is known
         why.verdict = deepest_one == nullptr ? PairVerdict::Apart : PairVerdict::Touching;
         if (deepest_one != nullptr && separation > 0.0f) why.verdict = PairVerdict::Apart;
+        why.back_face = shows_back(a, b) || shows_back(b, a);
         return why;
     }
     why.verdict = nearest.finding.verdict;
     why.part_a = nearest.part_a;
     why.part_b = nearest.part_b;
     why.triangle = nearest.triangle;
+    why.back_face = nearest.back_face;
     why.disagreement = disagreement_of(pair, nearest, why.status, deepest_one, separation);
     if (deepest_one != nullptr) why.patch = patch_of(nearest, *deepest_one, a, b);
     why.distance = std::move(nearest.finding.distance);
@@ -264,30 +288,42 @@ PairExplanation explain(const ShapePair& pair) {
 
 const char* to_string(PairVerdict verdict) noexcept {
     switch (verdict) {
-        case PairVerdict::Apart: return "apart";
-        case PairVerdict::Touching: return "touching";
-        case PairVerdict::Undecided: return "undecided";
+        case PairVerdict::Apart:
+            return "apart";
+        case PairVerdict::Touching:
+            return "touching";
+        case PairVerdict::Undecided:
+            return "undecided";
     }
     return "unknown";
 }
 
 const char* to_string(SupportKind kind) noexcept {
     switch (kind) {
-        case SupportKind::Corner: return "corner";
-        case SupportKind::Edge: return "edge";
-        case SupportKind::Face: return "face";
-        case SupportKind::Round: return "round";
+        case SupportKind::Corner:
+            return "corner";
+        case SupportKind::Edge:
+            return "edge";
+        case SupportKind::Face:
+            return "face";
+        case SupportKind::Round:
+            return "round";
     }
     return "unknown";
 }
 
 const char* to_string(AxisSource source) noexcept {
     switch (source) {
-        case AxisSource::FaceOfA: return "face of A";
-        case AxisSource::FaceOfB: return "face of B";
-        case AxisSource::Edges: return "edges";
-        case AxisSource::Points: return "points";
-        case AxisSource::Contact: return "contact";
+        case AxisSource::FaceOfA:
+            return "face of A";
+        case AxisSource::FaceOfB:
+            return "face of B";
+        case AxisSource::Edges:
+            return "edges";
+        case AxisSource::Points:
+            return "points";
+        case AxisSource::Contact:
+            return "contact";
     }
     return "unknown";
 }

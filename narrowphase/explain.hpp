@@ -82,6 +82,8 @@ struct PairExplanation {
     std::uint32_t triangle = 0;
     std::optional<DistanceBounds> distance;  ///< none for two meshes
     std::optional<SeparatingAxis> axis;      ///< none for two meshes
+    /// A one-sided mesh has its back towards the other's centre: collide() then says nothing, however near or deep they are.
+    bool back_face = false;
     CollideStatus status = CollideStatus::Ok;
     std::vector<Manifold> manifolds;         ///< as collide() gives them
     std::optional<FacePatch> patch;          ///< of the deepest manifold, where two faces make it
@@ -95,7 +97,8 @@ struct PairExplanation {
 /// farthest points of both shapes, so that a gap is a proof whatever the search for the axis did. Rounding: 64 ulp of the
 /// sizes and the distance of the origins.
 /// Two shapes overlap more along any other axis than the one given: to 1e-6 of their size for boxes, hulls, spheres and capsules, and
-/// as well as collide() has it for cylinders, cones and meshes. Of a mesh, the nearest triangle is looked at.
+/// as well as collide() has it for cylinders, cones and meshes. Of a mesh, the nearest triangle is looked at; of a one-sided one, the nearest
+/// that faces the shape's centre.
 /// Misuse as in collide(): reported; then an empty explanation. Cost: that of collide(), and for each pair of parts or triangles whose
 /// boxes come near some µs; a mesh costs O(triangles). Thread-safe. Allocates.
 [[nodiscard]] PairExplanation explain(const ShapePair& pair);

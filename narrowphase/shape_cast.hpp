@@ -24,7 +24,8 @@ struct ShapeImpact : Impact {
 /// Method: balls and capsules that do not turn (of balls that turn about their centre: too) meet planes, balls, capsules and meshes, and balls
 /// boxes, in closed form (sweep.hpp), grown by E for what rounding may do on the way into B's frame; all others by time_of_impact().
 /// @param a  sphere, box, capsule, hull, cylinder or cone; anything else is Invalid.
-/// @param b  any shape. A mesh is its surface; the parts of a compound stand where `pose_b` times their pose puts them, to rounding.
+/// @param b  any shape. A mesh is its surface, a one-sided one only to what has its centre in front of it (time_of_impact.hpp); the parts of a
+/// compound stand where `pose_b` times their pose puts them, to rounding.
 /// @return `point` on B and `normal` from A to B, both in the world. Clamped and Invalid as time_of_impact() has them; a pose that is not finite
 /// or beyond 1e70 m is Invalid too. settings.tolerance and most_checks are not needed in closed form.
 /// Accuracy: Touching within separation + tolerance as there, or within the bounds of sweep.hpp and E = 1.4e-14 (sizes, distance, motion).

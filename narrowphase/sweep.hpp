@@ -89,7 +89,8 @@ struct MeshImpact : Impact {
     static constexpr std::uint32_t kNone = 0xffffffffu;
     std::uint32_t triangle = kNone;  ///< the lowest of several at one t; kNone where they do not touch
 };
-/// In the mesh's frame. Solid is only the surface: what is inside a closed mesh and touches none of it is Separated.
+/// In the mesh's frame. Solid is only the surface: what is inside a closed mesh and touches none of it is Separated. Of a one-sided mesh
+/// contacts count where A's centre is in front of it then, and was in front of the triangle's plane at t = 0.
 /// Cost: O(log m + triangles that the sweep comes near before the sphere's centre, or an end of the capsule's axis, hits the mesh).
 [[nodiscard]] MeshImpact sweep(const Sphere<double>& a, const Vec3<double>& motion, const TriangleMesh& b);
 [[nodiscard]] MeshImpact sweep(const Capsule<double>& a, const Vec3<double>& motion, const TriangleMesh& b);

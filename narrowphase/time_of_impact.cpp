@@ -6,6 +6,7 @@
 #include <carom/narrowphase/detail/convex_query.hpp>
 #include <carom/narrowphase/detail/impact_input.hpp>
 #include <carom/narrowphase/detail/moving_core.hpp>
+#include <carom/narrowphase/detail/one_sided.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -86,8 +87,8 @@ Impact placed(Impact impact, const RigidMotion& motion_a) noexcept {
 }
 
 /// @param a  no plane. Over a plane the point is A's lowest.
-Impact search(const Shape& a, const RigidMotion& motion_a, const Shape& b, const RigidMotion& motion_b, const TimeOfImpactSettings& settings,
-              DistanceCache* cache) noexcept {
+Impact search(const Shape& a, const RigidMotion& motion_a, const Shape& b, const RigidMotion& motion_b,
+              const TimeOfImpactSettings& settings, DistanceCache* cache) noexcept {
     const MovingPair pair = moving_pair(moving_core(a, motion_a), motion_a, moving_core(b, motion_b), motion_b);
     return placed(find_impact(pair, settings, settings.until, cache), motion_a);
 }
@@ -140,18 +141,24 @@ geo::MeshImpact time_of_impact(const Shape& a, const RigidMotion& motion_a, cons
     geo::MeshImpact first;
     first.t = settings.until;
     int checks = 0;
+    const auto centre_at = [&](double t) {
+        return inverse_transform_point(pose_at(motion_b, t), transform_point(pose_at(motion_a, t), detail::centre_of(a)));
+    };
+    const detail::OneSidedPath path(b, b.is_one_sided() ? centre_at(0.0) : dvec3{0.0});
     const auto look = [&](std::uint32_t index) {
+        // Where the mesh turns, its boxes are met in another order than its triangles.
+        const auto farthest_wanted = [&] { return turned > 0.0 ? 1.0 : first.t; };
+        if (path.passes(index)) return farthest_wanted();
         const detail::TrianglePoints points = detail::triangle_points(b.corners(index));
         const MovingPair pair = moving_pair(core, motion_a, moving_core(points, motion_b), motion_b);
         const Impact next = find_impact(pair, settings, first.t, nullptr);
         checks += next.checks;
         const bool earlier = !may_touch(first.status) || next.t < first.t || (next.t == first.t && index < first.triangle);
-        if (may_touch(next.status) && earlier) {
+        if (may_touch(next.status) && earlier && !path.is_back(index, [&] { return centre_at(next.t); })) {
             static_cast<Impact&>(first) = next;
             first.triangle = index;
         }
-        // Where the mesh turns, its boxes are met in another order than its triangles.
-        return turned > 0.0 ? 1.0 : first.t;
+        return farthest_wanted();
     };
     const double reach = turned > 0.0 ? 1.0 : settings.until;
     triangles_along(b.bvh(), {.origin = from, .direction = along, .t_max = reach}, dvec3{radius}, look);

@@ -52,7 +52,8 @@ struct TimeOfImpactSettings {
 [[nodiscard]] Impact time_of_impact(const Shape& a, const RigidMotion& motion_a, const Shape& b, const RigidMotion& motion_b,
                                     const TimeOfImpactSettings& settings = {}, DistanceCache* cache = nullptr) noexcept;
 
-/// The first contact of a convex shape and the surface of a mesh, and its triangle (the lowest of several at one t).
+/// The first contact of a convex shape and the surface of a mesh, and its triangle (the lowest of several at one t). Of a one-sided mesh
+/// contacts count where the shape's centre is in front of it then, and was in front of the triangle's plane at t = 0.
 /// @param a  convex, not a plane; else Invalid. Cost: the sum over the triangles near the ball about A's pivot as it moves.
 [[nodiscard]] geo::MeshImpact time_of_impact(const Shape& a, const RigidMotion& motion_a, const TriangleMesh& b,
                                              const RigidMotion& motion_b, const TimeOfImpactSettings& settings = {});

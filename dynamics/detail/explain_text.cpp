@@ -18,6 +18,7 @@ const char* to_string(Rung rung) noexcept {
         case Rung::Bounds: return "bounds";
         case Rung::PairLimit: return "pair limit";
         case Rung::Distance: return "distance";
+        case Rung::BackFace: return "back face";
         case Rung::Margin: return "margin";
         case Rung::Touch: return "touch";
     }
@@ -58,6 +59,11 @@ std::string distance_text(const PairExplanation& contact) {
     if (!contact.axis) return "no triangles of theirs are within the margin of " + metres(contact.margin);
     return "there is a gap of " + metres(contact.axis->gap) + " " + across(*contact.axis) + ", more than the margin of " +
            metres(contact.margin);
+}
+
+std::string back_face_text(const PairExplanation& contact) {
+    const std::string overlap = contact.axis && contact.axis->gap < 0.0 ? ", though they overlap by " + metres(-contact.axis->gap) : "";
+    return "one is a one-sided mesh and shows the other its back face" + overlap;
 }
 
 std::string margin_text(const StepContacts& found, double margin) {
@@ -145,6 +151,7 @@ std::string sentence_of(const ContactExplanation& why) {
         case Rung::OutOfStep: return no + "the last step did not know both shapes as they are: one came, changed or is quarantined";
         case Rung::Bounds: return no + bounds_text(pair);
         case Rung::PairLimit: return no + "more boxes overlap than the world's limit on pairs lets it keep";
+        case Rung::BackFace: return no + back_face_text(*pair.contact);
         case Rung::Margin: return no + margin_text(*pair.found, pair.contact->margin);
         default: return no + distance_text(*pair.contact);
     }

@@ -2,6 +2,7 @@
 #include <carom/collision/convex_hull.hpp>
 #include <carom/collision/triangle_mesh.hpp>
 #include <carom/narrowphase/detail/kernels.hpp>
+#include <carom/narrowphase/detail/one_sided.hpp>
 #include <carom/narrowphase/detail/polytope_lanes.hpp>
 #include <carom/narrowphase/detail/round_contact.hpp>
 #include <carom/narrowphase/detail/segment_polytope.hpp>
@@ -169,14 +170,26 @@ bool off_the_plane(const Probe& probe, const NearTriangle& t, double margin) noe
     return offset - probe.reach(n) > allowed || -offset - probe.reach(-n) > allowed;
 }
 
+bool faces_away(const NearTriangle& t, const dvec3& centre) noexcept {
+    return glm::dot(glm::cross(t.corners[1] - t.corners[0], t.corners[2] - t.corners[0]), centre - t.corners[0]) < 0.0;
+}
+
+// Whether the patches are those of a one-sided mesh with the back of its surface towards the shape. Asked last: most pairs have none.
+bool touches_back(const PairFrame& pair, const MeshSurface& surface, const dvec3& centre) {
+    const TriangleMesh& mesh = *as<TriangleMeshPtr>(pair.second);
+    return mesh.is_one_sided() && !surface.patches.empty() && is_behind(mesh, pair.to_second(centre));
+}
+
 template <class Probe>
 void touch_mesh(const PairFrame& pair, const Probe& probe, const Aabb& bounds, double same_normal, Workspace& workspace,
                 ManifoldSink& sink) {
     MeshSurface& surface = workspace.surface;
+    const bool one_sided = as<TriangleMeshPtr>(pair.second)->is_one_sided();
     WayOut way_out;
     surface.gather(pair, inflate(bounds, pair.margin + kInsideTolerance * probe.size()));
     for (const NearTriangle& t : surface.triangles) {
-        if (probe.beside(t, pair.margin) || off_the_plane(probe, t, pair.margin) || !load_triangle(workspace.second, t.corners)) {
+        if (probe.beside(t, pair.margin) || off_the_plane(probe, t, pair.margin) || (one_sided && faces_away(t, probe.centre)) ||
+            !load_triangle(workspace.second, t.corners)) {
             continue;
         }
         TrianglePatch contact;
@@ -185,6 +198,7 @@ void touch_mesh(const PairFrame& pair, const Probe& probe, const Aabb& bounds, d
     }
     surface.drop_runaways();
     if (way_out.found && !surface.touches()) surface.patches.push_back(patch_of(probe, way_out));
+    if (touches_back(pair, surface, probe.centre)) return;
     surface.emit(same_normal, kPointTolerance * probe.size(), sink);
 }
 
@@ -233,8 +247,10 @@ CollideStatus turned_mesh(const PairFrame& pair, Workspace& workspace, ManifoldS
 CollideStatus sphere_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
     const double radius = static_cast<double>(as<Sphere>(pair.first).radius);
     MeshSurface& surface = workspace.surface;
+    const bool one_sided = as<TriangleMeshPtr>(pair.second)->is_one_sided();
     surface.gather(pair, inflate(add_ball({}, pair.to_second(dvec3{0.0}), radius), pair.margin + kInsideTolerance * radius));
     for (const NearTriangle& t : surface.triangles) {
+        if (one_sided && faces_away(t, dvec3{0.0})) continue;
         const TrianglePoint closest = closest_on_triangle(t.corners, dvec3{0.0});
         const dvec3 cross = glm::cross(t.corners[1] - t.corners[0], t.corners[2] - t.corners[0]);
         // With the centre on the surface, out to the front of the triangle.
@@ -249,6 +265,7 @@ CollideStatus sphere_mesh(const PairFrame& pair, Workspace& workspace, ManifoldS
         add_ball(contact.patch, dvec3{0.0}, radius, direction.length, 0);
         surface.patches.push_back(contact);
     }
+    if (touches_back(pair, surface, dvec3{0.0})) return CollideStatus::Ok;
     surface.emit(kSameRoundNormal, kPointTolerance * radius, sink);
     return CollideStatus::Ok;
 }

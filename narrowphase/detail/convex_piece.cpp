@@ -39,6 +39,11 @@ double ConvexPiece::size() const noexcept {
     return std::max({extent.x, extent.y, extent.z});
 }
 
+dvec3 ConvexPiece::centre() const noexcept {
+    if (turned) return turned->centre;
+    return polytope ? polytope->centre : 0.5 * (points.front() + points.back());  // of a sphere its one point, of a capsule both ends
+}
+
 double ConvexPiece::reach(const dvec3& direction) const noexcept {
     if (turned) return turned->reach(direction) + radius;
     return glm::dot(points[farthest_along(points, direction)], direction) + radius;

@@ -33,6 +33,8 @@ struct ConvexPiece {
     Aabb box;
 
     [[nodiscard]] double size() const noexcept;
+    /// @return the point that tells on which side of a mesh it is.
+    [[nodiscard]] dvec3 centre() const noexcept;
     /// @return the largest dot product of `direction`, a unit vector, with a point.
     [[nodiscard]] double reach(const dvec3& direction) const noexcept;
     [[nodiscard]] PieceSupport support(const dvec3& direction) const noexcept;

@@ -6,6 +6,7 @@
 #include <carom/core/math.hpp>
 #include <carom/narrowphase/detail/kernels.hpp>
 #include <carom/narrowphase/detail/mesh_leaders.hpp>
+#include <carom/narrowphase/detail/one_sided.hpp>
 #include <carom/narrowphase/detail/tolerances.hpp>
 #include <carom/narrowphase/detail/workspace.hpp>
 
@@ -109,6 +110,12 @@ void set_sides(const PairFrame& pair, MeshContact& contact) {
     contact.second.set(b, pair.rotation, pair.translation, {first.centre, first.diagonal});
 }
 
+// Whether one of the two is one-sided and has its back towards the other's centre.
+bool shows_back(const PairFrame& pair, const TriangleMesh& a, const TriangleMesh& b) {
+    return (a.is_one_sided() && is_behind(a, pair.to_first(box_of(b).centre))) ||
+           (b.is_one_sided() && is_behind(b, pair.to_second(box_of(a).centre)));
+}
+
 // Of two meshes whose surfaces are apart: one that lies wholly inside of another that is closed is led out by its first vertex.
 CollideStatus look_inside(const PairFrame& pair, const LeaderLimits& limits, Workspace& workspace, ManifoldSink& sink) {
     const TriangleMesh &a = *as<TriangleMeshPtr>(pair.first), &b = *as<TriangleMeshPtr>(pair.second);
@@ -131,6 +138,7 @@ CollideStatus look_inside(const PairFrame& pair, const LeaderLimits& limits, Wor
 
 CollideStatus mesh_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
     const TriangleMesh &a = *as<TriangleMeshPtr>(pair.first), &b = *as<TriangleMeshPtr>(pair.second);
+    if (shows_back(pair, a, b)) return CollideStatus::Ok;
     MeshContact& contact = workspace.meshes;
     const double smaller = std::min(box_of(a).diagonal, box_of(b).diagonal);
     LeaderLimits limits;

@@ -69,7 +69,9 @@ MotionLine motion_line(const Shape& shape, const Pose& before, const Pose& now) 
 }
 
 ShapeTrait trait_of(const Shape& shape) noexcept {
-    return {std::nextafter(static_cast<float>(reach_of(shape)), std::numeric_limits<float>::infinity()), is_carried(shape)};
+    const TriangleMeshPtr* const mesh = std::get_if<TriangleMeshPtr>(&shape);
+    return {std::nextafter(static_cast<float>(reach_of(shape)), std::numeric_limits<float>::infinity()), is_carried(shape),
+            mesh != nullptr && (*mesh)->is_one_sided()};
 }
 
 PairRecord record_of(const NumberedPair& pair, const ShapeTrait& a, const ShapeTrait& b, bool touches, bool undecided) noexcept {
@@ -83,7 +85,7 @@ PairRecord record_of(const NumberedPair& pair, const ShapeTrait& a, const ShapeT
     record.state = static_cast<std::int32_t>(kMostReuses) - 1 - share;
     if (b.reach < a.reach) record.state |= kBSmaller;
     if (undecided) record.state |= kUndecided;
-    if (touches && !(a.carried && b.carried)) record.state |= kRolls;
+    if (touches ? !(a.carried && b.carried) : a.one_sided || b.one_sided) record.state |= kRolls;
     return record;
 }
 

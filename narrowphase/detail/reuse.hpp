@@ -17,7 +17,8 @@
 //   a rolling body would stand on a flat spot of the size of the slack. Of spheres and capsules it is the point of the core that is carried,
 //   and the contact is a radius away from it along the new normal, which is the other shape's, or that of the two cores. Manifolds of
 //   cylinders, of cones and of compounds with curved parts are not carried.
-// - Of a mesh, the side on which the centre of the other shape lies is that of the last look.
+// - Of a mesh, the side on which the centre of the other shape lies is that of the last look. Where a one-sided mesh has no manifold, the
+//   shape may be about to come through from behind: such pairs are looked at in every batch.
 // A pair is looked at anew where m exceeds its slack, where the margin has grown by more than the slack leaves, and in one of kMostReuses
 // batches, since each rounds positions to floats.
 #pragma once
@@ -53,12 +54,13 @@ struct alignas(64) PairRecord {
 inline constexpr std::int32_t kLeftMask = 0xff;
 inline constexpr std::int32_t kBSmaller = 1 << 8;    ///< B is the smaller shape
 inline constexpr std::int32_t kUndecided = 1 << 9;
-inline constexpr std::int32_t kRolls = 1 << 10;      ///< it has manifolds that are not carried
+inline constexpr std::int32_t kRolls = 1 << 10;      ///< it is looked at in every batch
 
 /// What records need of a shape.
 struct ShapeTrait {
     float reach = 0.0f;    ///< of its points from its origin, rounded up [m]
     bool carried = false;  ///< points of contact may be carried along with it, or with its core
+    bool one_sided = false;
 };
 [[nodiscard]] ShapeTrait trait_of(const Shape& shape) noexcept;
 

@@ -84,7 +84,9 @@ Shape read_mesh(const Node& node, Fields& fields) {
     } else {
         mesh = read_inline(fields);
     }
-    return value_or_fail(node, TriangleMesh::build(mesh.vertices, mesh.triangles));
+    TriangleMeshSettings settings;
+    if (const auto given = fields.find("one_sided")) settings.one_sided = boolean(*given);
+    return value_or_fail(node, TriangleMesh::build(mesh.vertices, mesh.triangles, settings));
 }
 
 Shape read_hull(const Node& node, Fields& fields) {
@@ -202,6 +204,8 @@ void check_fit(const Node& node, const FileShape& read, BodyType body) {
     if (!valid) fail_at(node, valid.error().code, valid.error().message);
     if (body != BodyType::Dynamic) return;
     if (!is_bounded(read.shape)) fail_at(node, ErrorCode::WrongType, "a plane fits static and kinematic bodies only");
+    const TriangleMeshPtr* const mesh = std::get_if<TriangleMeshPtr>(&read.shape);
+    if (mesh != nullptr && (*mesh)->is_one_sided()) fail_at(node, ErrorCode::WrongType, "a one-sided mesh fits static and kinematic bodies only");
     const MassProperties mass = value_or_fail(node, mass_properties(read.shape, read.def.density));
     const Status massive = validate(transform(mass, read.def.local));
     if (!massive) fail_at(node, massive.error().code, massive.error().message);

@@ -58,11 +58,29 @@ TEST(Why, TheReportHasEveryKey) {
     EXPECT_EQ(pair.at("origin").size(), 3u);
     const Json& contact = pair.at("contact");
     EXPECT_EQ(contact.at("verdict"), "touching");
+    EXPECT_EQ(contact.at("back_face"), false);
     EXPECT_EQ(contact.at("axis").at("source"), "face of A");
     EXPECT_LT(contact.at("axis").at("gap"), 0.0);
     EXPECT_EQ(contact.at("distance").at("upper"), 0.0);
     EXPECT_EQ(contact.at("manifolds").at(0).at("points").size(), 4u);
     EXPECT_EQ(contact.at("patch").at("common").size(), 4u);
+}
+
+TEST(Why, AOneSidedMeshShowsItsBack) {
+    const TemporaryFolder folder;
+    const std::string file = folder.write("trapdoor.json", R"({"gravity": [0, 0, 0], "bodies": [
+        {"name": "floor", "type": "static", "shapes": [{"type": "triangle_mesh", "one_sided": true,
+            "vertices": [[-9, 0, -9], [-9, 0, 9], [9, 0, 9], [9, 0, -9]], "triangles": [[0, 1, 2], [0, 2, 3]]}]},
+        {"name": "ball", "position": [0, -0.1, 0], "shapes": [{"type": "sphere", "radius": 0.5}]}]})");
+    const Outcome outcome = carom({"why", "ball", "floor", file, "--steps", "1"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_TRUE(has(outcome.out, "back face, one-sided")) << outcome.out;
+    EXPECT_TRUE(has(outcome.out, "shows the other its back face, though they overlap by 0.4 m")) << outcome.out;
+    const Outcome json = carom({"why", "ball", "floor", file, "--steps", "1", "--json", "-"});
+    const Json report = Json::parse(json.out, nullptr, false);
+    ASSERT_TRUE(report.is_object()) << json.out;
+    EXPECT_EQ(report.at("rung"), "back face");
+    EXPECT_EQ(report.at("pairs").at(0).at("contact").at("back_face"), true);
 }
 
 TEST(Why, BodiesMayBeNamed) {

@@ -138,6 +138,20 @@ TEST_F(ReadScene, TakesAMeshWrittenOut) {
     EXPECT_EQ(run->dt, 1.0 / 60.0);
 }
 
+TEST_F(ReadScene, AMeshMayBeOneSided) {
+    const std::string mesh = R"("type": "triangle_mesh", "vertices": [[0,0,0],[0,0,1],[1,0,0],[0,-1,0]], "triangles": [[0,1,2],[0,2,3]], "one_sided": )";
+    for (const bool one_sided : {true, false}) {
+        Result<SceneRun> run = read_shape(mesh + (one_sided ? "true" : "false"), "static");
+        ASSERT_TRUE(run.has_value()) << run.error().message;
+        EXPECT_EQ(std::get<TriangleMeshPtr>(first_shape(run->world, run->world.bodies()[0]))->is_one_sided(), one_sided);
+    }
+    EXPECT_TRUE(read_shape(mesh + "true", "kinematic").has_value());
+    EXPECT_TRUE(read_shape(mesh + "false").has_value());
+    expect_error(read_shape(mesh + "true"), ErrorCode::WrongType, ":3: bodies[0].shapes[0]");
+    expect_error(read_shape(mesh + "1", "static"), ErrorCode::WrongType, ":3: bodies[0].shapes[0].one_sided");
+    expect_error(read_shape(R"("type": "box", "half_extents": [1,1,1], "one_sided": true)"), ErrorCode::UnknownName, ":3: bodies[0].shapes[0].one_sided");
+}
+
 TEST_F(ReadScene, SubstepsComeFromTheUserThenTheFileThenTheSettings) {
     std::ofstream(path()) << R"({"substeps": 6, "bodies": []})";
     EXPECT_EQ(read_scene(path())->world.settings().substeps, 6);
