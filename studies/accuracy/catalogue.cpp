@@ -13,7 +13,7 @@ std::span<const StudyGroup> study_catalogue() {
          primitive_studies},
         {"broadphase", "pairs of moving boxes by every method, with margins and cells; which is fastest where, and what the chooser takes",
          broadphase_studies, broadphase_digest},
-        {"meshmesh", "pairs of triangles of two meshes: crossing, nearly touching, touching, in one plane, coincident, tiny, far",
+        {"meshmesh", "two meshes: pairs of triangles, crossing, nearly touching, touching, in one plane, coincident, tiny, far; contacts of closed ones",
          meshmesh_studies},
         {"sat", "two boxes: verdicts and depths, by axes, primitives, manifolds and polytope; near, touching, deep, thin, far, tiny", sat_studies},
         {"gjk", "two hulls: verdicts, distances with tolerances and caps, depths; near, touching, deep, thin, far, tiny", gjk_studies},

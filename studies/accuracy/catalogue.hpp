@@ -52,8 +52,9 @@ struct StudyGroup {
 [[nodiscard]] std::vector<Study> primitive_studies(const StudyOptions& options);
 /// Broadphase methods; box_crowd.hpp has the cases, winner_map.hpp what they add up to.
 [[nodiscard]] std::vector<Study> broadphase_studies(const StudyOptions& options);
-/// Pairs of triangles of two meshes.
+/// Pairs of triangles of two meshes, and their contacts; surface_cases.hpp has the cases of these.
 [[nodiscard]] std::vector<Study> meshmesh_studies(const StudyOptions& options);
+[[nodiscard]] std::vector<Study> meshmesh_contact_studies(const StudyOptions& options);
 /// Boxes, and hulls, in pairs; convex_cases.hpp has the cases.
 [[nodiscard]] std::vector<Study> sat_studies(const StudyOptions& options);
 [[nodiscard]] std::vector<Study> gjk_studies(const StudyOptions& options);

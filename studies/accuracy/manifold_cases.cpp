@@ -163,6 +163,14 @@ std::optional<std::pair<double, dvec3>> deepest(std::span<const Manifold> manifo
     return best;
 }
 
+template <class Each>
+void for_each_depth_error(const ManifoldCases& cases, std::span<const Manifold> manifolds, const Each& each) {
+    for_each_case(cases.count(), manifolds, [&](std::size_t k, std::span<const Manifold> of_pair) {
+        const auto found = deepest(of_pair);
+        each(found ? std::abs(found->first - cases.depth[k]) / cases.size[k] : 1.0);
+    });
+}
+
 }  // namespace
 
 void ManifoldCases::add(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b) {
@@ -248,11 +256,14 @@ ManifoldCasesPtr moved(const ManifoldCases& cases, double share, std::uint64_t s
 
 double depth_error(const ManifoldCases& cases, std::span<const Manifold> manifolds) {
     double worst = 0.0;
-    for_each_case(cases.count(), manifolds, [&](std::size_t k, std::span<const Manifold> of_pair) {
-        const auto found = deepest(of_pair);
-        worst = std::max(worst, found ? std::abs(found->first - cases.depth[k]) / cases.size[k] : 1.0);
-    });
+    for_each_depth_error(cases, manifolds, [&](double error) { worst = std::max(worst, error); });
     return worst;
+}
+
+double mean_depth_error(const ManifoldCases& cases, std::span<const Manifold> manifolds) {
+    double sum = 0.0;
+    for_each_depth_error(cases, manifolds, [&](double error) { sum += error; });
+    return cases.count() == 0 ? 0.0 : sum / static_cast<double>(cases.count());
 }
 
 double normal_error(const ManifoldCases& cases, std::span<const Manifold> manifolds) {

@@ -59,6 +59,8 @@ enum class Depth { Any, Wedged };
 
 /// The largest difference between the deepest point and the true depth, of the size; a contact that is missing counts 1.
 [[nodiscard]] double depth_error(const ManifoldCases& cases, std::span<const Manifold> manifolds);
+/// The mean of the same over all pairs.
+[[nodiscard]] double mean_depth_error(const ManifoldCases& cases, std::span<const Manifold> manifolds);
 /// The largest excess of the overlap along the reported normal over the least, of the size: what a wrong normal costs.
 [[nodiscard]] double normal_error(const ManifoldCases& cases, std::span<const Manifold> manifolds);
 /// The mean share of the area that the hull of the first `points` points does not span; of one or two points 1.

@@ -217,6 +217,7 @@ std::vector<Study> meshmesh_studies(const StudyOptions& options) {
     for (Condition& condition : all) {
         studies.push_back(study_of("meshmesh_" + condition.name, condition.what, std::make_shared<const Cases>(std::move(condition.cases))));
     }
+    for (Study& study : meshmesh_contact_studies(options)) studies.push_back(std::move(study));
     return studies;
 }
 

@@ -1,9 +1,13 @@
 // The cases of the studies of manifolds and probes against their own words, and their measures on manifolds that are known to be wrong.
 #include <carom/studies/accuracy/catalogue.hpp>
 #include <carom/studies/accuracy/manifold_cases.hpp>
+#include <carom/studies/accuracy/surface_cases.hpp>
 
+#include <carom/collision/aabb.hpp>
+#include <carom/collision/triangle_mesh.hpp>
 #include <carom/core/executor.hpp>
 
+#include <glm/geometric.hpp>
 #include <gtest/gtest.h>
 
 #include <set>
@@ -67,6 +71,37 @@ TEST(ManifoldCases, NamesLastOverSmallMotions) {
     std::vector<Manifold> renamed = before;
     for (Manifold& m : renamed) m.points[0].feature += 12345;
     EXPECT_GT(new_names(before, renamed), 0.2);
+}
+
+TEST(SurfaceCases, AreTheSolidsAsClosedMeshes) {
+    for (const Solids kind : {Solids::Boxes, Solids::Hulls}) {
+        const ManifoldCasesPtr solids = solid_cases(kind, 60, {0.02, 0.1}, 11);
+        ASSERT_EQ(solids->count(), 60u);
+        EXPECT_LT(depth_error(*solids, collide_all(*solids)), 2e-6) << "the oracle and the kernels of solids agree";
+        const ManifoldCasesPtr meshes = as_surfaces(*solids, {.quads = 3}), one = as_surfaces(*solids, {.first = false});
+        EXPECT_EQ(meshes->depth, solids->depth);
+        EXPECT_EQ(meshes->size, solids->size);
+        for (std::size_t k = 0; k < 2 * solids->count(); ++k) {
+            const double extent = std::min(smallest_extent(solids->shapes[k]), smallest_extent(solids->shapes[k ^ 1]));
+            EXPECT_GT(solids->depth[k / 2], 0.02 * extent);
+            EXPECT_LT(solids->depth[k / 2], 0.1 * extent + 1e-12);
+            const TriangleMeshPtr surface = std::get<TriangleMeshPtr>(meshes->shapes[k]);
+            EXPECT_TRUE(surface->is_closed());
+            const Aabb box = bounds(meshes->shapes[k], {}), same = bounds(solids->shapes[k], {});
+            EXPECT_LT(glm::length(box.lower - same.lower) + glm::length(box.upper - same.upper), 1e-12);
+            EXPECT_TRUE(kind == Solids::Hulls || surface->triangles().size() == 6u * 9u * 2u);
+            EXPECT_EQ(one->shapes[k].index() == solids->shapes[k].index(), k % 2 == 0);
+        }
+        std::vector<Manifold> manifolds = collide_all(*meshes);
+        const double mean = mean_depth_error(*meshes, manifolds);
+        EXPECT_LT(mean, 0.01);
+        EXPECT_LE(mean, depth_error(*meshes, manifolds));
+        EXPECT_EQ(mean_depth_error(*meshes, {}), 1.0) << "all are missing";
+        for (Manifold& m : manifolds) {
+            for (ContactPoint& p : m.points) p.separation -= 0.1f;
+        }
+        EXPECT_GT(mean_depth_error(*meshes, manifolds), mean + 0.02);
+    }
 }
 
 TEST(ContactStudies, EachGroupsNamesAreUniqueAndProbesMissLessWithMoreRays) {
