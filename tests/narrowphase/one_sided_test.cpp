@@ -115,6 +115,25 @@ TEST(OneSided, HillsPushWhatHasItsCentreOverThem) {
     EXPECT_GT(back, 500);
 }
 
+// Under the edge of a steep ditch a centre may be in front of the plane of one wall, and is behind the surface all the same.
+TEST(OneSided, UnderADitchIsBehind) {
+    const std::vector<vec3> v{{-1, 1.7f, -3}, {-1, 1.7f, 3}, {0, 0, -3}, {0, 0, 3}, {1, 1.7f, -3}, {1, 1.7f, 3}};
+    const std::vector<TriangleMesh::Triangle> t{{0, 1, 3}, {0, 3, 2}, {2, 3, 5}, {2, 5, 4}};
+    const Shape both = *TriangleMesh::build(v, t), one = *TriangleMesh::build(v, t, {.one_sided = true});
+    for (const Shape& shape : {Shape{Sphere{0.3f}}, Shape{Box{{0.2f, 0.2f, 0.2f}}}, Shape{Capsule{0.2f, 0.1f}}, Shape{Cylinder{0.2f, 0.2f}}}) {
+        const Pose under{{-0.1, -0.1, 0.2}, kIdentityRotation}, in{{-0.1, 0.35, 0.2}, kIdentityRotation};
+        EXPECT_FALSE(collide_all(shape, under, both, {}, 0.0f).empty()) << to_string(type_of(shape));
+        EXPECT_TRUE(collide_all(shape, under, one, {}, 0.0f).empty()) << to_string(type_of(shape));
+        EXPECT_FALSE(collide_all(shape, in, one, {}, 0.0f).empty()) << to_string(type_of(shape));
+        const RigidMotion up{.start = {{-0.2, -1.6, 0.2}, kIdentityRotation}, .translation = {0.2, 3.0, 0.0}};
+        EXPECT_EQ(cast_shape(shape, up, one, {}).status, ImpactStatus::Separated) << to_string(type_of(shape));
+        // In front of one wall's plane all the way to the edge.
+        const RigidMotion slanting{.start = {{-1.0, -0.9, 0.2}, kIdentityRotation}, .translation = {0.85, 0.75, 0.0}};
+        EXPECT_EQ(cast_shape(shape, slanting, both, {}).status, ImpactStatus::Touching) << to_string(type_of(shape));
+        EXPECT_EQ(cast_shape(shape, slanting, one, {}).status, ImpactStatus::Separated) << to_string(type_of(shape));
+    }
+}
+
 TEST(OneSided, AClosedMeshLetsOutWhatIsInIt) {
     const TriangleMeshPtr crate = box_mesh({1.0f, 1.0f, 1.0f}, 4);
     const Shape both = crate, one = *TriangleMesh::build(crate->vertices(), crate->triangles(), {.one_sided = true});
@@ -210,6 +229,11 @@ TEST(OneSided, TheBorderHasABackToo) {
     const RigidMotion under{.start = {{6.0, 1.0, 0.0}, kIdentityRotation}, .translation = {-4.0, -3.1, 0.0}};
     const RigidMotion over{.start = {{6.0, 1.0, 0.0}, kIdentityRotation}, .translation = {-4.0, -1.0, 0.0}};
     for (const Shape& shape : {Shape{Sphere{0.5f}}, Shape{Box{{0.4f, 0.4f, 0.4f}}}}) {
+        const Pose below{{4.3, -0.1, 0.3}, kIdentityRotation}, above{{4.3, 0.1, 0.3}, kIdentityRotation};
+        EXPECT_FALSE(collide_all(shape, below, both, {}, 0.0f).empty()) << to_string(type_of(shape));
+        EXPECT_TRUE(collide_all(shape, below, one, {}, 0.0f).empty()) << to_string(type_of(shape));
+        EXPECT_TRUE(same(collide_all(shape, above, one, {}, 0.0f), collide_all(shape, above, both, {}, 0.0f))) << to_string(type_of(shape));
+        EXPECT_FALSE(collide_all(shape, above, one, {}, 0.0f).empty()) << to_string(type_of(shape));
         EXPECT_EQ(cast_shape(shape, under, both, {}).status, ImpactStatus::Touching) << to_string(type_of(shape));
         EXPECT_EQ(cast_shape(shape, under, one, {}).status, ImpactStatus::Separated) << to_string(type_of(shape));
         EXPECT_EQ(cast_shape(shape, over, one, {}).status, ImpactStatus::Touching) << to_string(type_of(shape));
