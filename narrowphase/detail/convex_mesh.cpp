@@ -133,6 +133,7 @@ bool touch_triangle(const Probe& probe, MeshSurface& surface, double margin, Wor
         const bool facing = above == surface.is_in_front(probe.centre);
         if (axis.separation <= probe.radius() + kTouching * probe.size()) way_out.offer({true, facing, height, outward, contact.triangle});
         if (!facing) return false;
+        const ContactAxis rejected = axis;
         // On a flat stretch the deepest point under its plane is the depth, though it may lie over a triangle that the shape does not meet.
         const dvec3 deepest = probe.farthest(-outward);
         const double of_core = height + probe.radius();
@@ -141,6 +142,8 @@ bool touch_triangle(const Probe& probe, MeshSurface& surface, double margin, Wor
         axis = {AxisKind::FaceOfB, -outward, of_core, deepest, deepest - of_core * outward, 0, above ? 0u : 1u};
         axis_point = foot == Foot::New ? AxisPoint::Keep : AxisPoint::Leave;
         contact.replaced = true;
+        contact.way = rejected.normal;
+        contact.along = rejected.separation - probe.radius();
         contact.holds_deepest = foot != Foot::None;
     }
     Patch& patch = contact.patch;
@@ -196,7 +199,7 @@ void touch_mesh(const PairFrame& pair, const Probe& probe, const Aabb& bounds, d
         contact.triangle = t.index;
         if (touch_triangle(probe, surface, pair.margin, workspace, contact, way_out)) surface.patches.push_back(contact);
     }
-    surface.drop_runaways();
+    surface.drop_runaways(kPointTolerance * probe.size());
     if (way_out.found && !surface.touches()) surface.patches.push_back(patch_of(probe, way_out));
     if (touches_back(pair, surface, probe.centre)) return;
     surface.emit(same_normal, kPointTolerance * probe.size(), sink);

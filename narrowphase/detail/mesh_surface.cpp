@@ -131,7 +131,22 @@ MeshSurface::Foot MeshSurface::foot_at(const dvec3& p, double tolerance) {
     return passes_foot_ ? Foot::New : Foot::None;
 }
 
-void MeshSurface::drop_runaways() noexcept {
+// Whether the contact, of that depth, leads the shape out of the triangle that the stand-in is for as well, and not as far.
+bool spares(const TrianglePatch& contact, double depth, const TrianglePatch& stand_in, double tolerance) noexcept {
+    return depth_of(stand_in.patch) < -depth - tolerance &&
+           stand_in.along + depth * glm::dot(stand_in.way, contact.patch.normal) >= -tolerance;
+}
+
+void MeshSurface::drop_runaways(double tolerance) noexcept {
+    const TrianglePatch* allowed = nullptr;  // the deepest
+    for (const TrianglePatch& p : patches) {
+        if (!p.replaced && (allowed == nullptr || depth_of(p.patch) < depth_of(allowed->patch))) allowed = &p;
+    }
+    if (allowed != nullptr && depth_of(allowed->patch) < 0.0) {
+        const TrianglePatch contact = *allowed;
+        std::erase_if(patches,
+                      [&](const TrianglePatch& p) { return p.replaced && spares(contact, -depth_of(contact.patch), p, tolerance); });
+    }
     double deepest = 0.0;
     const auto stands = [](const TrianglePatch& p) { return !p.replaced || p.holds_deepest; };
     for (const TrianglePatch& p : patches) {

@@ -29,6 +29,8 @@ struct TrianglePatch {
     bool replaced = false;       ///< the triangle's normal stands in for one that the surface does not allow
     bool holds_deepest = false;  ///< of a stand-in: the shape's deepest point under the triangle's plane lies over the surface
     bool used = false;
+    dvec3 way{0.0};  ///< of a stand-in: the normal that is not allowed, and the separation along it [m]
+    double along = 0.0;
 };
 
 class MeshSurface {
@@ -58,7 +60,9 @@ public:
     /// Drops stand-ins that are more than twice as deep as all contacts whose normals the surface allows or which hold the deepest point
     /// under their plane. On a flat stretch the deepest contact is one of those; a stand-in beyond it reaches through a ridge, and its depth
     /// is that of another part of the shape.
-    void drop_runaways() noexcept;
+    /// And drops stand-ins deeper than the deepest contact whose normal the surface allows, where that leads the shape out of their triangle as
+    /// well, to `tolerance` [m].
+    void drop_runaways(double tolerance) noexcept;
 
     /// @return whether a patch has a point that is not apart.
     [[nodiscard]] bool touches() const noexcept;

@@ -95,6 +95,30 @@ TEST(MeshDepth, OfAHugeTriangleTheSizeOfTheShapeCounts) {
     EXPECT_NEAR(m[0].normal.x, -1.0f, 1e-5f);
 }
 
+// Triangles beside the contact, which it frees too, do not ask for more.
+TEST(MeshDepth, ALittleWayInABallItIsThatOfTheSolid) {
+    Random r(77);
+    double sum = 0.0;
+    int deeper = 0;
+    constexpr int kPairs = 2000;
+    for (int i = 0; i < kPairs; ++i) {
+        const ConvexHullPtr hull = random_hull(r, 32, 0.4, 0.9);
+        const Shape solid = hull, surface = surface_of(*hull), other = random_hull(r, 24, 0.3, 0.8);
+        Pose at{random_direction(r) * r.range(1.2, 1.6), random_rotation(r)};
+        const std::vector<Manifold> apart = collide_all(other, at, solid, {}, 2.0f);
+        ASSERT_EQ(apart.size(), 1u);
+        at.position += (static_cast<double>(least_separation(apart[0])) + 0.01 * r.unit()) * dvec3(apart[0].normal);
+        const std::vector<Manifold> s = collide_all(other, at, solid, {}, 0.0f), m = collide_all(other, at, surface, {}, 0.0f);
+        if (s.empty()) continue;
+        ASSERT_FALSE(m.empty()) << i;
+        const double error = std::abs(static_cast<double>(least_separation(m[0])) - static_cast<double>(least_separation(s[0])));
+        sum += error;
+        deeper += error > 1e-5 ? 1 : 0;
+    }
+    EXPECT_LT(sum / kPairs, 5e-5);
+    EXPECT_LT(deeper, kPairs / 10);
+}
+
 // Both judged without the kernels of meshes: explain() looks at each triangle by itself.
 void expect_reported(const Shape& shape, const Pose& at, const Shape& mesh, int i) {
     const PairExplanation why = explain({&shape, &mesh, at, {}, 0.1f});
