@@ -161,13 +161,13 @@ void sweep(std::vector<Item>& items, Visit visit) {
 /// The samples of a shape in the ground's frame: points, and the radius about them.
 struct Samples {
     std::vector<dvec3> points;
+    dvec3 centre{0.0};  ///< their mean
     double radius = 0.0;
     double reach = 0.0;  ///< how deep a sample is looked for [m]
 };
 
 Samples samples_of(Item& item, const Pose& frame) {
     Samples samples;
-    dvec3 center{0.0};
     if (item.round) {
         samples.points = {item.round->a, item.round->b};
         samples.radius = item.round->radius;
@@ -177,9 +177,9 @@ Samples samples_of(Item& item, const Pose& frame) {
     }
     for (dvec3& point : samples.points) {
         point = inverse_transform_point(frame, point);
-        center += point / static_cast<double>(samples.points.size());
+        samples.centre += point / static_cast<double>(samples.points.size());
     }
-    for (const dvec3& point : samples.points) samples.reach = std::max(samples.reach, glm::distance(point, center));
+    for (const dvec3& point : samples.points) samples.reach = std::max(samples.reach, glm::distance(point, samples.centre));
     samples.reach += samples.radius;
     return samples;
 }
@@ -219,13 +219,16 @@ struct Nearest {
 
 double mesh_depth(const Samples& samples, const TriangleMesh& mesh) {
     std::vector<Nearest> nearest(samples.points.size());
+    Nearest of_centre;
     mesh.overlap(box_of_points(samples.points, samples.reach), [&](std::uint32_t triangle) {
         const std::array<vec3, 3> corners = mesh.corners(triangle);
         const dvec3 a(corners[0]), b(corners[1]), c(corners[2]);
         for (std::size_t i = 0; i < nearest.size(); ++i) nearest[i].offer(samples.points[i], a, b, c);
+        of_centre.offer(samples.centre, a, b, c);
         return true;
     });
     double deepest = -std::numeric_limits<double>::infinity();
+    if (mesh.is_one_sided() && of_centre.height < 0.0) return deepest;  // it is on its way through, and may be
     for (const Nearest& n : nearest) {
         if (n.distance > samples.reach) continue;
         deepest = std::max(deepest, samples.radius - (n.height < 0.0 ? -n.distance : n.distance));

@@ -22,8 +22,9 @@ struct Penetration {
     PenetrationSummary round;      ///< spheres and capsules against each other and against boxes and hulls
     /// Everything against meshes and planes: how far the deepest sample (a corner of a box or hull, the end of a
     /// capsule's segment or the centre of a sphere, less the radius) lies behind the surface. Behind a mesh means:
-    /// behind the nearest triangle, by its winding, and no deeper than the shape's own bounding radius. Corners of the
-    /// mesh inside a body are not looked at, so it is a lower bound where ridges are sharp.
+    /// behind the nearest triangle, by its winding, and no deeper than the shape's own bounding radius; what has its
+    /// middle behind a one-sided mesh is not in it. Corners of the mesh inside a body are not looked at, so it is a
+    /// lower bound where ridges are sharp.
     PenetrationSummary terrain;
 };
 

@@ -340,6 +340,20 @@ TEST(GeometricPenetration, KnowsOutsideFromInsideAtASharpRidge) {
     }
 }
 
+TEST(GeometricPenetration, WhatPassesThroughAOneSidedMeshFromBehindIsNotInIt) {
+    const std::array<vec3, 4> vertices{vec3{-5, 0, -5}, vec3{-5, 0, 5}, vec3{5, 0, 5}, vec3{5, 0, -5}};
+    const std::array<TriangleMesh::Triangle, 2> triangles{{{0, 1, 2}, {0, 2, 3}}};
+    for (const bool one_sided : {true, false}) {
+        World world;
+        const BodyId sheet = world.create_body({.type = BodyType::Static});
+        world.add_shape(sheet, *TriangleMesh::build(vertices, triangles, {.one_sided = one_sided}));
+        world.add_shape(world.create_body({.position = {1.0, -0.2, 0.0}}), Box{vec3{0.5f}});
+        EXPECT_EQ(geometric_penetration(world).terrain.pairs, one_sided ? 0u : 1u);
+        world.add_shape(world.create_body({.position = {-1.0, 0.4, 0.0}}), Box{vec3{0.5f}});
+        EXPECT_NEAR(geometric_penetration(world).terrain.maximum, one_sided ? 0.1 : 0.7, 1e-6);
+    }
+}
+
 TEST(GeometricPenetration, TakesWellUnderASecondForSixteenThousandBodies) {
     const scenes::SceneRun run = scene("pile_mixed", {.bodies = 16000});
     const std::clock_t start = std::clock();  // of this process, however busy the machine is
