@@ -75,19 +75,12 @@ struct CollideBatch {
     [[nodiscard]] bool look_at_shapes() {
         const std::size_t count = placed.shapes.size();
         data.types.resize(count);
-        data.boxes.resize(count);
         std::atomic<bool> finite{true};
         executor.parallel_for(count, 256, [&](std::size_t begin, std::size_t end) {
-            std::array<std::uint32_t, kChunk> boxes;
-            std::size_t box_count = 0;
             for (std::size_t k = begin; k < end; ++k) {
                 const Shape* const shape = placed.shapes[k];
                 data.types[k] = shape == nullptr ? kNoShape : static_cast<unsigned char>(shape->index());
-                if (data.types[k] != static_cast<unsigned char>(ShapeType::Box)) continue;
-                boxes[box_count++] = static_cast<std::uint32_t>(k);
-                if (box_count == boxes.size()) detail::write_box_lines(placed, {boxes.data(), std::exchange(box_count, 0u)}, data.boxes);
             }
-            detail::write_box_lines(placed, {boxes.data(), box_count}, data.boxes);
             if (!poses_are_finite(begin, end)) finite.store(false, std::memory_order_relaxed);
         });
         return finite.load();
@@ -139,6 +132,21 @@ struct CollideBatch {
         }
     }
 
+    // For pairs of boxes.
+    void write_lines() {
+        data.boxes.resize(data.types.size());
+        executor.parallel_for(data.types.size(), 256, [&](std::size_t begin, std::size_t end) {
+            std::array<std::uint32_t, kChunk> boxes;
+            std::size_t box_count = 0;
+            for (std::size_t k = begin; k < end; ++k) {
+                if (data.types[k] != static_cast<unsigned char>(ShapeType::Box)) continue;
+                boxes[box_count++] = static_cast<std::uint32_t>(k);
+                if (box_count == boxes.size()) detail::write_box_lines(placed, {boxes.data(), std::exchange(box_count, 0u)}, data.boxes);
+            }
+            detail::write_box_lines(placed, {boxes.data(), box_count}, data.boxes);
+        });
+    }
+
     // Marks the pairs that need not be looked at.
     void find_reusable() {
         data.memory.compare(placed, pairs, executor);
@@ -161,19 +169,20 @@ struct CollideBatch {
         }
     }
 
-    // Counting sort, stable: neighbours in the order run the same kernel. @return how many pairs are to be run.
-    std::size_t sort_by_kernel() {
+    // Counting sort, stable: neighbours in the order run the same kernel. @return how many pairs are to be run, and how many of them are of boxes.
+    std::pair<std::size_t, std::size_t> sort_by_kernel() {
         std::array<std::uint32_t, kKinds + 2> starts{};
         for_runs([&](std::size_t kind, std::size_t begin, std::size_t end) { starts[kind + 1] += static_cast<std::uint32_t>(end - begin); });
         for (std::size_t k = 0; k <= kKinds; ++k) starts[k + 1] += starts[k];
-        const std::size_t count = starts[kReused];
+        constexpr std::size_t kBoxes = static_cast<std::size_t>(ShapeType::Box) * (static_cast<std::size_t>(kShapeTypeCount) + 1);
+        const std::size_t count = starts[kReused], boxes = starts[kBoxes + 1] - starts[kBoxes];
         data.order.resize(pairs.size());
         for_runs([&](std::size_t kind, std::size_t begin, std::size_t end) {
             for (std::size_t i = begin; i < end; ++i) data.order[starts[kind] + (i - begin)] = static_cast<std::uint32_t>(i);
             starts[kind] += static_cast<std::uint32_t>(end - begin);
         });
         data.order.resize(count);
-        return count;
+        return {count, boxes};
     }
 
     void run_chunk(std::size_t index) {
@@ -232,7 +241,8 @@ struct CollideBatch {
     CollideCounts run(std::vector<Manifold>& out) {
         data.places.resize(pairs.size());
         if (!alone) find_reusable();
-        const std::size_t run_count = sort_by_kernel();
+        const auto [run_count, box_pairs] = sort_by_kernel();
+        if (box_pairs > 0) write_lines();
         const std::size_t chunk_count = (run_count + kChunk - 1) / kChunk;
         if (data.chunks.size() < chunk_count) data.chunks.resize(chunk_count);
         executor.parallel_for(chunk_count, 1, [&](std::size_t begin, std::size_t end) {
