@@ -12,6 +12,8 @@ if(CAROM_IMPORT OR CAROM_BENCH OR CAROM_PEERS)
 endif()
 if(CAROM_PROGRAMS OR CAROM_TESTS OR CAROM_BENCH OR CAROM_PEERS)
   find_package(fmt REQUIRED)
+endif()
+if(CAROM_PROGRAMS OR CAROM_TESTS OR CAROM_BENCH OR CAROM_PEERS OR CAROM_FUZZ)
   find_package(Boost 1.74 REQUIRED)  # headers only: exact integers for the oracles
 endif()
 if(CAROM_PROGRAMS)

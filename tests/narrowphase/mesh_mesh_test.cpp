@@ -1,5 +1,6 @@
 // Meshes on meshes: where they touch, how deep, and along which normal; resting, sliding, and moving in each other's hollows.
 #include "oracle.hpp"
+#include "standing.hpp"
 
 #include <carom/collision/closest_points.hpp>
 #include <carom/collision/mesh_pairs.hpp>

@@ -1,5 +1,6 @@
 // Convex shapes on triangle meshes: resting, rolling over inner edges, ridges and steps, huge triangles.
 #include "oracle.hpp"
+#include "standing.hpp"
 
 #include <carom/collision/triangle_mesh.hpp>
 

@@ -1,4 +1,4 @@
-// What the narrowphase tests share: brute force in long double, random shapes and poses.
+// What the narrowphase tests and their fuzzers share: brute force in long double, random shapes and poses. Nothing of GoogleTest.
 #pragma once
 
 #include "support/random_pose.hpp"
@@ -12,13 +12,10 @@
 #include <carom/studies/oracle/brute_force.hpp>
 
 #include <glm/geometric.hpp>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdint>
-#include <set>
 #include <vector>
 
 namespace carom::test {
@@ -82,22 +79,6 @@ inline Shape random_shape(ShapeType type, Random& r) {
         case ShapeType::Cone: return Cone{size(0.05, 0.7), size(0.05, 0.8)};
         default: return random_hull(r, 8 + static_cast<int>(r.range(0, 20)), 0.3, 1.0);
     }
-}
-
-/// A crate stands on a level ground: one manifold, a point at each of its four lower corners, each with a name of its own.
-inline void expect_stands_on_corners(const std::vector<Manifold>& found, const Pose& crate, double half_x, double half_z, float separation) {
-    ASSERT_EQ(found.size(), 1u);
-    ASSERT_EQ(found[0].count, 4u);
-    EXPECT_NEAR(found[0].normal.y, -1.0f, 1e-6f);
-    std::set<std::uint64_t> names;
-    for (const ContactPoint& p : found[0].used()) {
-        EXPECT_NEAR(p.separation, separation, 1e-6f);
-        const dvec3 local = rotate_inverse(crate.orientation, dvec3(p.position));
-        EXPECT_NEAR(std::abs(local.x), half_x, 1e-5);
-        EXPECT_NEAR(std::abs(local.z), half_z, 1e-5);
-        names.insert(p.feature);
-    }
-    EXPECT_EQ(names.size(), 4u);
 }
 
 }  // namespace carom::test
