@@ -69,6 +69,8 @@ struct JudgedPair {
     return validate(shape) ? std::optional(shape) : std::nullopt;
 }
 
+/// The bytes as RawBytes reads them, then how near the shapes are brought: where they happen to be, touching, apart or overlapping by 2^-60 to
+/// 2^3 of the first one's least extent.
 /// @return a pair; none where a shape is refused, or where a pose is not finite, which every query must refuse: `fault` says if one does not.
 [[nodiscard]] inline std::optional<NearPair> draw_pair(std::span<const std::uint8_t> data, bool boxes, std::string& fault) {
     RawBytes bytes(data);
@@ -84,7 +86,11 @@ struct JudgedPair {
         }
         return {};
     }
-    if (touch != 0) bring_near(p, touch == 1 ? 0.0 : std::ldexp(touch == 2 ? 1.0 : -1.0, bytes.byte() % 64 - 60));
+    const dvec3 far = bytes.far();
+    p.pose_a.position += far;
+    p.pose_b.position += far;
+    const double size = smallest_extent(p.a);
+    if (touch != 0) bring_near(p, touch == 1 ? 0.0 : std::ldexp(touch == 2 ? size : -size, bytes.byte() % 64 - 60));
     if (!is_finite(p.pose_b)) return {};
     return p;
 }

@@ -52,11 +52,12 @@ inline void draw(RawBytes& bytes, bool coarse, EdgeEdgeMotion& m) {
     return is_finite(impact.point) && is_finite(impact.normal) ? "" : "an answer that is not finite";
 }
 
-/// @param judged  whether numbers are of everyday size, so that rationals stay short.
+/// All but raw bits is judged, of which the rationals would be long.
 template <class Motion>
-[[nodiscard]] std::string deforming_fault(RawBytes& bytes, bool judged) {
+[[nodiscard]] std::string deforming_fault(RawBytes& bytes, RawBytes::Style style) {
+    const bool judged = style != RawBytes::Style::Raw;
     Motion m;
-    draw(bytes, judged, m);
+    draw(bytes, style == RawBytes::Style::Tame, m);
     const Impact impact = time_of_impact(m);
     if (std::string fault = form_fault(impact, are_finite(m)); !fault.empty()) return fault;
     if (!judged) return "";
@@ -68,8 +69,8 @@ template <class Motion>
 
 [[nodiscard]] inline std::string impact_fault(std::span<const std::uint8_t> data) {
     RawBytes bytes(data);
-    const bool judged = !data.empty() && data[0] % 4 != 0;  // what RawBytes makes of its first byte
-    return bytes.byte() % 2 == 0 ? deforming_fault<VertexFaceMotion>(bytes, judged) : deforming_fault<EdgeEdgeMotion>(bytes, judged);
+    const RawBytes::Style style = RawBytes::style_of(data);
+    return bytes.byte() % 2 == 0 ? deforming_fault<VertexFaceMotion>(bytes, style) : deforming_fault<EdgeEdgeMotion>(bytes, style);
 }
 
 }  // namespace carom::test

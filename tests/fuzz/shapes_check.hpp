@@ -24,10 +24,22 @@
 
 namespace carom::test {
 
-/// Reads bytes as numbers: raw bits, or, as the first byte has it, numbers of everyday size. Zeros once they are used up.
+/// Reads bytes as numbers, in the way that the first byte says. Zeros once they are used up.
 class RawBytes {
 public:
-    explicit RawBytes(std::span<const std::uint8_t> bytes) : bytes_(bytes) { tame_ = byte() % 4 != 0; }
+    enum class Style {
+        Raw,   ///< any bits: NaN, infinities, denormals; the shapes of a scene seldom have anything to do with each other
+        Wide,  ///< numbers of all bits about one scale between 2^-96 and 2^95
+        Tame,  ///< numbers of everyday size and few bits, where ties are common
+    };
+    [[nodiscard]] static Style style_of(std::span<const std::uint8_t> bytes) {
+        const int first = bytes.empty() ? 0 : bytes[0] % 4;
+        return first == 0 ? Style::Raw : first == 1 ? Style::Wide : Style::Tame;
+    }
+    explicit RawBytes(std::span<const std::uint8_t> bytes) : bytes_(bytes), style_(style_of(bytes)) {
+        byte();
+        if (style_ == Style::Wide) scale_ = std::ldexp(1.0, 3 * static_cast<std::int8_t>(byte()) / 4);
+    }
     std::uint8_t byte() {
         if (bytes_.empty()) return 0;
         const std::uint8_t b = bytes_[0];
@@ -41,24 +53,42 @@ public:
         return std::bit_cast<T>(bits);
     }
     float size() {
-        if (!tame_) return raw<float>();
+        if (style_ == Style::Raw) return raw<float>();
+        if (style_ == Style::Wide) {
+            const std::uint32_t bits = raw<std::uint32_t>();
+            return static_cast<float>(scale_ * std::ldexp(static_cast<double>(1 + (bits >> 8)), -24 - static_cast<int>(bits % 8)));
+        }
         const std::uint16_t bits = raw<std::uint16_t>();
         const float scales[] = {1.0f, 0.1f, 0.01f, 0.001f};
         return scales[bits % 4] * static_cast<float>(1 + bits / 4 % 64) / 64.0f;
     }
-    double coordinate() { return tame_ ? static_cast<double>(raw<std::int16_t>()) / 16384.0 : raw<double>(); }
+    double coordinate() { return style_ == Style::Raw ? raw<double>() : scale_ * number(); }
     Pose pose() {
         Pose p{{coordinate(), coordinate(), coordinate()}};
         if (byte() % 4 == 0) return p;
-        const dquat q{coordinate(), coordinate(), coordinate(), coordinate()};
+        const auto part = [&] { return style_ == Style::Raw ? raw<double>() : number(); };
+        const dquat q{part(), part(), part(), part()};
         const double length = glm::length(q);
         if (length > 1e-3 && length < 1e3) p.orientation = q / length;
         return p;
     }
+    /// Up to 2^31 times the scale, or nothing: where a scene stands. Wide only.
+    dvec3 far() {
+        const int how = style_ == Style::Wide ? byte() % 64 : 32;
+        if (how >= 32) return dvec3{0.0};
+        const double x = number(), y = number();
+        return scale_ * std::ldexp(1.0, how) * dvec3{x, y, number()};
+    }
 
 private:
+    /// Of [-2, 2).
+    double number() {
+        return style_ == Style::Wide ? std::ldexp(static_cast<double>(raw<std::int32_t>()), -30) : static_cast<double>(raw<std::int16_t>()) / 16384.0;
+    }
+
     std::span<const std::uint8_t> bytes_;
-    bool tame_ = true;
+    Style style_;
+    double scale_ = 1.0;
 };
 
 inline Shape draw_convex(RawBytes& bytes) {

@@ -9,17 +9,13 @@
 
 #include <carom/core/types.hpp>
 
-#include <boost/multiprecision/cpp_int.hpp>
+#include <support/rational.hpp>
 
 #include <algorithm>
 #include <cmath>
 #include <span>
 
 namespace carom::exact {
-
-/// Without expression templates, so that `auto` and `?:` hold values.
-using Rational =
-    boost::multiprecision::number<boost::multiprecision::cpp_rational_backend, boost::multiprecision::et_off>;
 
 /// `x` is finite.
 template <class T>
@@ -65,13 +61,7 @@ template <class T>
         return 0;
     }
     // Scaled by a power of four to a number that double holds, whatever the size of x.
-    using boost::multiprecision::msb;
-    const int bits = static_cast<int>(msb(boost::multiprecision::numerator(x))) -
-                     static_cast<int>(msb(boost::multiprecision::denominator(x)));
-    const int half = bits / 2;
-    const boost::multiprecision::cpp_int one(1);
-    const Rational scale =
-        half >= 0 ? Rational(one << static_cast<unsigned>(half)) : Rational(one, one << static_cast<unsigned>(-half));
+    const Rational scale = Rational::power_of_two(x.exponent() / 2);
     const double root = std::sqrt(static_cast<double>(Rational(x / square(scale)))) * (1.0 + 0x1p-50);
     return scale * Rational(root);
 }
@@ -83,10 +73,11 @@ template <class T>
 
 /// Squared distance of p from the segment a b, which may be a point.
 [[nodiscard]] inline Rational distance_sq(const Vec& p, const Vec& a, const Vec& b) {
-    const Vec along = b - a;
-    const Rational l = length_sq(along);
-    const Rational s = l.sign() == 0 ? Rational(0) : clamped(dot(p - a, along) / l, 0, 1);
-    return length_sq(p - (a + s * along));
+    const Vec along = b - a, from_a = p - a;
+    const Rational l = length_sq(along), t = dot(from_a, along);
+    if (t.sign() <= 0) return length_sq(from_a);
+    if (t >= l) return length_sq(p - b);
+    return (length_sq(from_a) * l - square(t)) / l;  // one quotient
 }
 
 /// Squared distance of p from the triangle a b c, which may be a segment or a point.

@@ -97,7 +97,7 @@ namespace detail {
     const Rational det = a * c - b * b;
     if (det.sign() != 0) {
         const Rational s = b * e - c * d, t = a * e - b * d;
-        if (s.sign() >= 0 && s <= det && t.sign() >= 0 && t <= det) return length_sq(w + (s / det) * u - (t / det) * v);
+        if (s.sign() >= 0 && s <= det && t.sign() >= 0 && t <= det) return square(dot(w, cross(u, v))) / det;
     }
     return std::min({distance_sq(p, q, q + v), distance_sq(p + u, q, q + v), distance_sq(q, p, p + u), distance_sq(q + v, p, p + u)});
 }
@@ -174,25 +174,10 @@ inline bool enters(const Solid& a, const Rough& ra, const Solid& b, const Rough&
     return false;
 }
 
-/// Multiplies all corners by the power of two that makes them integers, which compute much faster.
-inline Rational make_whole(Solid& a, Solid& b) {
-    boost::multiprecision::cpp_int whole = 1;
-    for (const Solid* s : {&a, &b}) {
-        for (const Vec& p : s->corners) {
-            for (int i = 0; i < 3; ++i) whole = std::max(whole, boost::multiprecision::cpp_int(denominator(p[i])));
-        }
-    }
-    for (Solid* s : {&a, &b}) {
-        for (Vec& p : s->corners) p = Rational(whole) * p;
-    }
-    return Rational(whole);
-}
-
 }  // namespace detail
 
 /// The squared distance of the cores; 0 where they overlap.
-[[nodiscard]] inline Rational core_distance_sq(Solid a, Solid b) {
-    const Rational whole = detail::make_whole(a, b);
+[[nodiscard]] inline Rational core_distance_sq(const Solid& a, const Solid& b) {
     Rational size = 0;
     for (const Solid* s : {&a, &b}) {
         for (const Vec& p : s->corners) size = std::max(size, largest(p - a.corners[0]));
@@ -231,7 +216,7 @@ inline Rational make_whole(Solid& a, Solid& b) {
     };
     corners_against(a, ra, b, rb);
     corners_against(b, rb, a, ra);
-    return best / square(whole);
+    return best;
 }
 
 /// The squared distance of a point from a core.
