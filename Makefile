@@ -42,7 +42,7 @@ asan tsan: setup
 # Each fuzzer for FUZZ_SECONDS, from the inputs in tests/fuzz/corpus. What it finds to be new stays in out/fuzz/<name>; an input that
 # breaks something is named there too, and is the argument to run the program with again.
 FUZZ_SECONDS ?= 60
-fuzz: PACKAGES = base tests fuzz
+fuzz: PACKAGES = base fuzz
 fuzz: setup
 	@cmake --preset fuzz $(filter -DCMAKE_CXX_COMPILER_LAUNCHER=%,$(CONFIGURE))
 	@cmake --build --preset fuzz --target fuzzers -j $(JOBS)

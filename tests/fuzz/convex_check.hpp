@@ -155,7 +155,10 @@ struct JudgedPair {
     if (!(r.lower >= 0.0 && r.lower <= r.upper)) return "bounds of the depth in no order";
     const JudgedPair truth(*p);
     const double e = 2.0 * query_rounding(*p);
-    if (overlaps(p->a, p->pose_a, p->b, p->pose_b) == Overlap::Overlapping && !(r.upper > 0.0)) return "an overlap without a depth";
+    const bool sure = overlaps(p->a, p->pose_a, p->b, p->pose_b) == Overlap::Overlapping, round = truth.radii.sign() != 0;
+    if (sure && !(r.upper > 0.0)) return "an overlap without a depth";
+    const double size = 2.0 * std::max(bounding_radius(p->a), bounding_radius(p->b)), thin = std::min(smallest_extent(p->a), smallest_extent(p->b));
+    if (sure && !round && thin > 1e-5 * size && r.upper - r.lower > 1e-9 * size + e) return "bounds of the depth far apart";
     if (r.lower > 0.0 && !truth.overlap()) return "a depth of shapes that are apart";
     if (r.upper <= 0.0) return "";
     if (std::abs(glm::dot(r.normal, r.normal) - 1.0) > 1e-12) return "a normal that is not of unit length";
@@ -163,7 +166,7 @@ struct JudgedPair {
     for (exact::Vec& corner : moved.b.corners) corner = corner + exact::number(r.upper + e) * exact::vec(r.normal);
     moved.core_sq = exact::core_distance_sq(moved.a, moved.b);
     if (moved.overlap()) return "moved by its depth the shape still overlaps";
-    if (truth.radii.sign() != 0 || r.upper > 1e9 || query_rounding(*p) > 1e-3) return "";
+    if (round || r.upper > 1e9 || query_rounding(*p) > 1e-3) return "";
     const auto solid = [&](const Shape& s, const Pose& pose) {
         return std::holds_alternative<Box>(s) ? solid_of(std::get<Box>(s), pose, p->pose_a.position)
                                               : solid_of(*std::get<ConvexHullPtr>(s), pose, p->pose_a.position);

@@ -1,11 +1,26 @@
-// The fuzzer's check of cylinders, cones and compounds over pseudo-random bytes.
+// The fuzzer's check of cylinders, cones and compounds over its corpus and over pseudo-random bytes.
 #include <fuzz/shapes_check.hpp>
 #include <support/query_cases.hpp>
 
 #include <gtest/gtest.h>
 
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+
 namespace carom {
 namespace {
+
+TEST(ShapesFuzz, TheCorpusHoldsNoFault) {
+    int files = 0;
+    for (const auto& entry : std::filesystem::directory_iterator(CAROM_TEST_DATA "/fuzz/corpus/shapes")) {
+        std::ifstream file(entry.path(), std::ios::binary);
+        const std::vector<std::uint8_t> bytes{std::istreambuf_iterator<char>(file), {}};
+        EXPECT_EQ(test::shapes_fault(bytes), "") << entry.path();
+        ++files;
+    }
+    EXPECT_GE(files, 12);
+}
 
 TEST(ShapesFuzz, RandomBytesShowNoFault) {
     Random random(0x5a9e5);

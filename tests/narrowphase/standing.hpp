@@ -15,7 +15,8 @@
 namespace carom::test {
 
 /// A crate stands on a level ground: one manifold, a point at each of its four lower corners, each with a name of its own.
-inline void expect_stands_on_corners(const std::vector<Manifold>& found, const Pose& crate, double half_x, double half_z, float separation) {
+inline void expect_stands_on_corners(const std::vector<Manifold>& found, const Pose& crate, double half_x, double half_z,
+                                     float separation) {
     ASSERT_EQ(found.size(), 1u);
     ASSERT_EQ(found[0].count, 4u);
     EXPECT_NEAR(found[0].normal.y, -1.0f, 1e-6f);
