@@ -82,8 +82,8 @@ HWY_INLINE unsigned overlapping_deep(const Bounds& boxes, BoxAt other, unsigned 
 struct alignas(64) Described {
     Bounds box;                  ///< grown by the margin
     float corner[3][3][kWidth];  ///< [corner][x, y, z], from `origin`
+    float size[kWidth];          ///< of a box: the sum of its edges
     float origin[3];
-    float size[kWidth];   ///< of a box: the sum of its edges
     float around_origin;  ///< no vertex is farther from it
     Bounds whole;         ///< around all boxes, in lane 0, where it was asked for
     bool has_whole = false;
@@ -155,6 +155,7 @@ private:
         has_whole = false;
     }
 };
+static_assert(offsetof(Described, corner) % 64 == 0 && offsetof(Described, size) % 64 == 0, "lanes are loaded and stored there");
 
 HWY_INLINE Floats sum_of_sizes(const Floats3& n) { return abs(n.x) + abs(n.y) + abs(n.z); }
 
