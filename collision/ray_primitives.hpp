@@ -94,7 +94,8 @@ template <class T>
 template <class T>
 [[nodiscard]] std::optional<RayHit<T>> cast_ray(const Cone<T>& cone, const Ray<T>& ray) noexcept;
 
-/// The plane itself, from either side: k and S of its half-space. A ray parallel to it misses it, within it too.
+/// The plane itself, from either side: k and S of its half-space. A ray parallel to it misses it, within it too; one
+/// within an angle of 2^-400 of that may.
 template <class T>
 [[nodiscard]] std::optional<RayHit<T>> cast_ray(const Plane<T>& plane, const Ray<T>& ray) noexcept;
 /// From either side, the rim included: k = 9. A ray parallel to the disc misses it, within it too.

@@ -378,7 +378,8 @@ std::string fault(const geo::Plane<T>& plane, const geo::Ray<T>& ray, const std:
             (rounded * magnitude(t) + number(std::numeric_limits<T>::denorm_min())) * magnitude(rate);
         return magnitude(t * rate - height) <= moved_by(t) + slack ? "" : "the hit is not on the plane";
     }
-    if (rate.sign() == 0) {
+    // Parallel, or so nearly that the sine of the angle underflows.
+    if (magnitude(rate) <= number(0x1p-400) * largest(normal) * largest(line.direction)) {
         return "";
     }
     const Rational t = height / rate;
