@@ -184,11 +184,12 @@ Rational far_t(const geo::Aabb<T>& b, const Line& line) {
     return 8 * (largest(line.origin) + largest(vec(b.lower)) + largest(vec(b.upper))) / largest(line.direction);
 }
 
-/// `range` cut to t_min and t_max, where those are finite.
+/// `range` cut to t_min and t_max, where those are finite, and to what T holds.
 template <class T>
 Range cut_to(Range range, const geo::Ray<T>& ray) {
-    if (std::isfinite(ray.t_min)) range.low = std::max(range.low, number(ray.t_min));
-    if (std::isfinite(ray.t_max)) range.high = std::min(range.high, number(ray.t_max));
+    constexpr T kMost = std::numeric_limits<T>::max();
+    range.low = std::max(range.low, number(std::isfinite(ray.t_min) ? ray.t_min : -kMost));
+    range.high = std::min(range.high, number(std::isfinite(ray.t_max) ? ray.t_max : kMost));
     return range;
 }
 
