@@ -56,7 +56,8 @@ struct TriangleHit {
 /// 7); near the surface from the product of the roots, so that an origin that is exactly on it has t = 0.
 template <class T>
 [[nodiscard]] std::optional<RayInterval<T>> ray_interval(const Sphere<T>& sphere, const Ray<T>& ray) noexcept;
-/// Aabb: k = 2, where S is the distance of each face's plane from the origin: t has a relative error of 2 eps at most.
+/// Aabb: k = 2, where S is the distance of each face's plane from the origin: t has a relative error of 2 eps at most, and where it underflows it
+/// is off by the least number above zero at most.
 /// Slabs (Kay and Kajiya 1986), divided rather than multiplied by a reciprocal, so that 0 * infinity does not come up.
 template <class T>
 [[nodiscard]] std::optional<RayInterval<T>> ray_interval(const Aabb<T>& box, const Ray<T>& ray) noexcept;

@@ -74,14 +74,15 @@ bool meets(const geo::Sphere<T>& s, const Line& line, Range range, const Rationa
     const Rational r = number(s.radius) + by;
     return r.sign() >= 0 && range.meets(ball(line.origin - vec(s.center), line.direction, r));
 }
-/// Faces move by `by` times their distance from the origin.
+/// Faces move by `by` times their distance from the origin, and by as much as t by its least number, which underflow may take.
 template <class T>
 bool meets(const geo::Aabb<T>& b, const Line& line, Range range, const Rational& by) {
     for (int k = 0; k < 3; ++k) {
         const Rational low = line.origin[k] - number(b.lower[k]);
         const Rational high = number(b.upper[k]) - line.origin[k];
-        range.keep_nonnegative(low + by * magnitude(low), line.direction[k]);
-        range.keep_nonnegative(high + by * magnitude(high), -line.direction[k]);
+        const Rational least = by.sign() * number(std::numeric_limits<T>::denorm_min()) * magnitude(line.direction[k]);
+        range.keep_nonnegative(low + by * magnitude(low) + least, line.direction[k]);
+        range.keep_nonnegative(high + by * magnitude(high) + least, -line.direction[k]);
     }
     return range.low <= range.high;
 }
