@@ -99,8 +99,8 @@ struct Cut {
     std::int32_t edge = 0;
 };
 
-// The face that faces the core most, and the stretch of the core over it. There is one, as the core is over the face where it is nearest;
-// where that is a point, rounding may leave low a little after high.
+// The face that faces the core most, and the stretch of the core over it. There is one, as the core is over the face where it is nearest; but
+// where it is beside the face by little more than what is allowed for, and nearly along its side, rounding may put low after high, or both far along the core.
 struct FaceStretch {
     int axis = 0;
     double sign = 1.0;           // of its normal
@@ -175,7 +175,8 @@ CollideStatus capsule_box(const PairFrame& pair, Workspace&, ManifoldSink& sink)
     const bool apart = distance > kTouching * box_size;
     const BoxAxis axis = apart ? BoxAxis{out * (1.0 / distance), distance} : deepest_axis(core, half, common_size(box_size, core.length));
     const double size = common_size(box_size, std::max(core.length, radius));
-    const FaceStretch stretch = stretch_over_face(core, half, axis.outward, kInsideTolerance * size);
+    // What counts as touching may be beside a face by as much.
+    const FaceStretch stretch = stretch_over_face(core, half, axis.outward, kInsideTolerance * size + (apart ? 0.0 : kTouching * box_size));
 
     Patch patch;
     patch.normal = -(pair.rotation * axis.outward);
@@ -186,7 +187,13 @@ CollideStatus capsule_box(const PairFrame& pair, Workspace&, ManifoldSink& sink)
     const bool has_low = low - radius <= pair.margin, has_high = high - radius <= pair.margin;
     const dvec3 across = glm::cross(axis.outward, core.along) * (stretch.high.t - stretch.low.t);
     const double tolerance = kPointTolerance * size;
-    if (has_low && has_high && glm::dot(across, across) > tolerance * tolerance) {
+    // Then the nearest point stands in, or the lowest end of what reaches into the box.
+    const bool lost = std::min(low, high) > axis.separation + tolerance;
+    const double rise = glm::dot(axis.outward, core.along);
+    const double stand_in = apart || !(std::abs(rise) > tolerance) ? t : (rise > 0.0 ? -1.0 : 1.0);
+    if (lost) {
+        add(stand_in, axis.separation, name_of({stand_in, 0}, Ends::Either));
+    } else if (has_low && has_high && stretch.low.t < stretch.high.t && glm::dot(across, across) > tolerance * tolerance) {
         add(stretch.low.t, low, name_of(stretch.low, Ends::From));
         add(stretch.high.t, high, name_of(stretch.high, Ends::To));
     } else if (has_high && !(has_low && low <= high)) {
@@ -194,7 +201,7 @@ CollideStatus capsule_box(const PairFrame& pair, Workspace&, ManifoldSink& sink)
     } else if (has_low) {
         add(stretch.low.t, low, name_of(stretch.low, Ends::Either));
     } else {  // by rounding: the two that are nearest
-        add(t, axis.separation, name_of({t, 0}, Ends::Either));
+        add(stand_in, axis.separation, name_of({stand_in, 0}, Ends::Either));
     }
     sink.add(patch);
     return CollideStatus::Ok;

@@ -178,23 +178,27 @@ HWY_INLINE Doubles name_of(const Cut& cut, DoubleMask from, DoubleMask to) {
 }
 
 // Up to two points along the core. @param t  the one that is nearest.
+// @param beside  how far beside a face the core may be.
 HWY_INLINE WideContact<2> points_of(const WideFrame& f, const Core& core, Doubles half_segment, Doubles radius, const BoxAxis& axis,
-                                    Doubles t, DoubleMask touches, Doubles size) {
-    const Doubles zero(0.0);
-    const FaceStretch stretch = stretch_over_face(core, axis.outward, Doubles(kInsideTolerance) * size);
+                                    DoubleMask apart, Doubles t, DoubleMask touches, Doubles size, Doubles beside) {
+    const Doubles zero(0.0), one(1.0);
+    const FaceStretch stretch = stretch_over_face(core, axis.outward, Doubles(kInsideTolerance) * size + beside);
     const Cut &low = stretch.low, &high = stretch.high;
     const Doubles low_distance = stretch.distance(core.at(low.t)), high_distance = stretch.distance(core.at(high.t));
     const DoubleMask has_low = touches & (low_distance - radius <= f.margin), has_high = touches & (high_distance - radius <= f.margin);
     const Doubles3 along{core.x.along, core.y.along, core.z.along}, across = cross(axis.outward, along) * (high.t - low.t);
     const Doubles tolerance = Doubles(kPointTolerance) * size;
-    const DoubleMask two = has_low & has_high & (dot(across, across) > tolerance * tolerance);
+    const DoubleMask lost = least(low_distance, high_distance) > axis.separation + tolerance;
+    const Doubles rise = dot(axis.outward, along);
+    const Doubles stand_in = select(apart | !(abs(rise) > tolerance), t, select(rise > zero, -one, one));
+    const DoubleMask two = (!lost) & has_low & has_high & (low.t < high.t) & (dot(across, across) > tolerance * tolerance);
     const DoubleMask high_alone = has_high & !(two | (has_low & (low_distance <= high_distance)));
-    const DoubleMask at_nearest = !(has_low | high_alone);
+    const DoubleMask at_nearest = lost | !(has_low | high_alone);
 
     const auto pick = [&](Doubles of_low, Doubles of_high, Doubles nearest) {
         return select(at_nearest, nearest, select(high_alone, of_high, of_low));
     };
-    const Cut first{pick(low.t, high.t, t), pick(low.edge, high.edge, zero)};
+    const Cut first{pick(low.t, high.t, stand_in), pick(low.edge, high.edge, zero)};
     const Doubles3 normal = -(f.rotation * axis.outward);
     const auto at = [&](Doubles s) { return Doubles3{zero, s * half_segment, zero}; };
     const Doubles distance = pick(low_distance, high_distance, axis.separation);
@@ -224,7 +228,8 @@ struct CapsuleBox {
             const BoxAxis deepest = deepest_axis(core, common_size(box_size, length));
             axis = {select(apart, axis.outward, deepest.outward), select(apart, axis.separation, deepest.separation)};
         }
-        return points_of(f, core, half_segment, radius, axis, t, touches, common_size(box_size, greatest(length, radius)));
+        const Doubles beside = select(apart, Doubles(0.0), Doubles(kTouching) * box_size);
+        return points_of(f, core, half_segment, radius, axis, apart, t, touches, common_size(box_size, greatest(length, radius)), beside);
     }
 };
 

@@ -197,6 +197,46 @@ TEST(CapsuleBox, ACapsuleAlongAnEdgeHasTwoPoints) {
 }
 
 // At the margin to the last bit: whoever touches has a point.
+// Beside two faces at once by what still counts as touching: 0.7f is 1.2e-8 less than 0.7. Capsules upright on the edge, tilted by a rounding or two.
+TEST(CapsuleBox, BesideAnEdgeByARoundingThePointsStay) {
+    for (const float h : {0.7f, 0.45f, 0.35f, 0.9f, 0.3f, 0.55f, 1.1f, 0.65f}) {
+        const double at = std::round(100.0 * static_cast<double>(h)) / 100.0;
+        for (const double tilt : {0.0, 1e-16, -1e-16, 1e-15, -1e-15, 1e-12, -1e-12, 1e-10, -1e-10}) {
+            const Case c{Capsule{0.2f, 0.5f}, Box{{h, 1.0f, h}}, {{at, 1.2, at}, {1.0, tilt, 0.0, 0.0}}, {}};
+            const std::vector<Manifold> m = c.found();
+            ASSERT_EQ(m.size(), 1u);
+            ASSERT_EQ(m[0].count, 2u) << h << " " << tilt;
+            double low = 9.0, high = -9.0;
+            for (const ContactPoint& p : m[0].used()) {
+                EXPECT_NEAR(static_cast<double>(p.separation), -0.2, 1e-7);
+                low = std::min(low, static_cast<double>(p.position.y) + 1.2);
+                high = std::max(high, static_cast<double>(p.position.y) + 1.2);
+            }
+            EXPECT_NEAR(low, 0.7, 1e-6) << h << " " << tilt;
+            EXPECT_NEAR(high, 1.0, 1e-6) << h << " " << tilt;
+        }
+    }
+}
+
+// The end of a core at a face, beside the edge of the face by less than what counts as touching, and leaving it slowly.
+TEST(CapsuleBox, AnEndBesideAnEdgeIsAsDeepAsItIs) {
+    for (double gap = 0.2e-9; gap < 2e-8; gap *= 1.3) {
+        for (const double angle : {-1e-9, -5e-9, -1e-8, -2e-8, -3e-8, -1e-7, -1e-6, 1e-8}) {
+            const dvec3 along{std::cos(angle), 0.0, std::sin(angle)};
+            for (const float margin : {0.0f, 0.5f}) {
+                const Case c{Capsule{0.2f, 0.5f},
+                             Box{{0.5f, 1.0f, 0.5f}},
+                             {dvec3{0.5, 0.0, 0.5 + gap} + 0.5 * along, about({0, 1, 0}, -angle) * about({0, 0, 1}, -0.5 * kPi)},
+                             {},
+                             margin};
+                const std::vector<Manifold> m = c.found();
+                ASSERT_EQ(m.size(), 1u);
+                EXPECT_NEAR(static_cast<double>(least_separation(m[0])), -0.2, 1e-6) << gap << " " << angle << " " << margin;
+            }
+        }
+    }
+}
+
 TEST(CapsuleBox, WhatTouchesHasAPoint) {
     Random r(93);
     const Box box{{1.0f, 0.5f, 0.75f}};
