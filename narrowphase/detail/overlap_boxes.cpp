@@ -194,7 +194,8 @@ void OverlapBoxes(std::span<const LaneBoxes> pairs, Overlap* verdicts) {
         write_ahead(first + kStep, rows[turn ^ 1]);
         const PlacedPair p = read_pair(rows[turn]);
         Floats gap;
-        const Ints undecided(int(Overlap::Undecided)), found = select(p.fit, judge_faces(p.pair, gap), undecided);
+        const Ints undecided(static_cast<std::int32_t>(Overlap::Undecided));
+        const Ints found = select(p.fit, judge_faces(p.pair, gap), undecided);
         store_verdicts(found, verdicts + first);
         const Mask left = p.fit & (found == undecided) & first_lanes(static_cast<int>(std::min(kStep, pairs.size() - first)));
         open.add(p.pair, gap, left, static_cast<std::int32_t>(first));
