@@ -71,6 +71,9 @@ void MeshSurface::gather(const PairFrame& pair, const Aabb& bounds) {
     });
 }
 
+// Among so many triangles the mesh's hierarchy finds those at a point sooner than a look at all of them.
+constexpr std::size_t kManyTriangles = 64;
+
 // A contact may be beside the shape's box, where a neighbour was not gathered: it is looked for in the mesh then.
 template <class Test>
 bool MeshSurface::any_at(const dvec3& p, double tolerance, const Test& test) const {
@@ -78,7 +81,7 @@ bool MeshSurface::any_at(const dvec3& p, double tolerance, const Test& test) con
     const bool is_inside =
         glm::all(glm::lessThanEqual(gathered_.lower, own - reach)) && glm::all(glm::lessThanEqual(own + reach, gathered_.upper));
     const Place at(p, tolerance);
-    if (is_inside) {
+    if (is_inside && triangles.size() <= kManyTriangles) {
         for (const NearTriangle& t : triangles) {
             if (at.is_on(t) && test(t)) return true;
         }
