@@ -63,7 +63,10 @@ template <class T, class Solid>
     };
     if (!got) return is_left({0, 1}, -by) ? "a part is lost" : "";
     if (!(got->t_a >= T(0) && got->t_a <= got->t_b && got->t_b <= T(1))) return "the part is not one of the segment";
-    if (got->t_a == T(0) && got->segment.a != segment.a && !std::is_same_v<Solid, geo::Aabb<T>>) return "an end changed";
+    // Whether an end is inside is decided exactly, but for underflow; by an oriented box, in its frame.
+    const exact::Rational inside = std::is_same_v<Solid, geo::Obb<T>> ? exact::Rational(-by) : -exact::number(kLostToUnderflow);
+    if (is_left({0, 0}, inside) && got->segment.a != segment.a) return "the first end is inside and changed";
+    if (is_left({1, 1}, inside) && got->segment.b != segment.b) return "the second end is inside and changed";
     const exact::Rational half_ulp = exact::number(static_cast<double>(std::numeric_limits<T>::epsilon()) / 2.0);
     const auto around = [&](T t) {
         const exact::Rational slack = half_ulp * exact::number(t) + exact::number(std::numeric_limits<T>::denorm_min());
