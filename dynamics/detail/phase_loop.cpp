@@ -46,7 +46,7 @@ void wait_for(const std::atomic<std::uint32_t>& done, std::size_t blocks) noexce
 
 void PhaseLoop::take_part(std::size_t thread, std::size_t parts, std::span<const Phase> phases, Body body,
                           std::span<double> milliseconds) noexcept {
-    Watch watch(thread == 0, milliseconds);
+    Watch watch(!is_timed_.exchange(true, std::memory_order_relaxed), milliseconds);
     for (std::size_t p = 0; p < phases.size(); ++p) {
         const Phase& phase = phases[p];
         State& state = states_[p];
@@ -92,6 +92,7 @@ void PhaseLoop::run(std::span<const Phase> phases, Executor& executor, Body body
         for (auto& next : states_[p].next) next.store(0, std::memory_order_relaxed);
         states_[p].done.store(0, std::memory_order_relaxed);
     }
+    is_timed_.store(false, std::memory_order_relaxed);
     const std::size_t parts = part_count(executor);
     executor.parallel_for(threads, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t thread = begin; thread < end; ++thread) take_part(thread, parts, phases, body, milliseconds);

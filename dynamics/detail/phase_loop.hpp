@@ -39,7 +39,7 @@ public:
 
     /// Runs the phases in order. Results must not depend on how a phase is cut.
     /// @param body  must not use the executor.
-    /// @param milliseconds  by label; what passes is added, as the first thread sees it.
+    /// @param milliseconds  by label; what passes is added, as the thread that comes in first sees it.
     void run(std::span<const Phase> phases, Executor& executor, Body body, std::span<double> milliseconds);
 
 private:
@@ -52,6 +52,7 @@ private:
                    std::span<double> milliseconds) noexcept;
 
     std::unique_ptr<State[]> states_;
+    std::atomic<bool> is_timed_{false};  // some thread has come in
     std::size_t state_count_ = 0;
 };
 
