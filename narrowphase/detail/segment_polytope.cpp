@@ -192,7 +192,9 @@ void build_patch(const RoundSegment& core, const Polytope& polytope, const Conta
     const dvec3 normal = polytope.normal(face);
     const double slope = glm::dot(normal, axis.normal);
     if (-slope > kLeastSlope && length > 0.0) {
-        const ClippedSegment clip = clip_to_face(core, polytope, polytope.loops[face], axis.normal, kInsideTolerance * size);
+        // What counts as touching may be beside a face by as much.
+        const double beside = axis.kind == AxisKind::Distance ? 0.0 : kTouching * polytope.size;
+        const ClippedSegment clip = clip_to_face(core, polytope, polytope.loops[face], axis.normal, kInsideTolerance * size + beside);
         if (clip.low <= clip.high) {
             const auto to_face = [&](const dvec3& p) { return (polytope.offset(face) - glm::dot(normal, p)) / slope; };
             add(s.at(clip.low), to_face(s.at(clip.low)), segment_name(clip.low, clip.low_edge));
@@ -200,6 +202,7 @@ void build_patch(const RoundSegment& core, const Polytope& polytope, const Conta
         }
     }
     const auto near_axis_point = [&](const Candidate& c) {
+        if (!(c.separation <= axis.separation - core.radius + kPointTolerance * size)) return false;
         const double du = c.u - glm::dot(axis.on_a, axis_u), dw = c.w - glm::dot(axis.on_a, axis_w);
         return du * du + dw * dw <= kPointTolerance * kPointTolerance * size * size;
     };

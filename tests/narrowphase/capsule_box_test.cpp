@@ -203,17 +203,18 @@ TEST(CapsuleBox, BesideAnEdgeByARoundingThePointsStay) {
         const double at = std::round(100.0 * static_cast<double>(h)) / 100.0;
         for (const double tilt : {0.0, 1e-16, -1e-16, 1e-15, -1e-15, 1e-12, -1e-12, 1e-10, -1e-10}) {
             const Case c{Capsule{0.2f, 0.5f}, Box{{h, 1.0f, h}}, {{at, 1.2, at}, {1.0, tilt, 0.0, 0.0}}, {}};
-            const std::vector<Manifold> m = c.found();
-            ASSERT_EQ(m.size(), 1u);
-            ASSERT_EQ(m[0].count, 2u) << h << " " << tilt;
-            double low = 9.0, high = -9.0;
-            for (const ContactPoint& p : m[0].used()) {
-                EXPECT_NEAR(static_cast<double>(p.separation), -0.2, 1e-7);
-                low = std::min(low, static_cast<double>(p.position.y) + 1.2);
-                high = std::max(high, static_cast<double>(p.position.y) + 1.2);
+            for (const std::vector<Manifold>& m : {c.found(), c.found_as_hull()}) {
+                ASSERT_EQ(m.size(), 1u);
+                ASSERT_EQ(m[0].count, 2u) << h << " " << tilt;
+                double low = 9.0, high = -9.0;
+                for (const ContactPoint& p : m[0].used()) {
+                    EXPECT_NEAR(static_cast<double>(p.separation), -0.2, 1e-7);
+                    low = std::min(low, static_cast<double>(p.position.y) + 1.2);
+                    high = std::max(high, static_cast<double>(p.position.y) + 1.2);
+                }
+                EXPECT_NEAR(low, 0.7, 1e-6) << h << " " << tilt;
+                EXPECT_NEAR(high, 1.0, 1e-6) << h << " " << tilt;
             }
-            EXPECT_NEAR(low, 0.7, 1e-6) << h << " " << tilt;
-            EXPECT_NEAR(high, 1.0, 1e-6) << h << " " << tilt;
         }
     }
 }
@@ -229,9 +230,10 @@ TEST(CapsuleBox, AnEndBesideAnEdgeIsAsDeepAsItIs) {
                              {dvec3{0.5, 0.0, 0.5 + gap} + 0.5 * along, about({0, 1, 0}, -angle) * about({0, 0, 1}, -0.5 * kPi)},
                              {},
                              margin};
-                const std::vector<Manifold> m = c.found();
-                ASSERT_EQ(m.size(), 1u);
-                EXPECT_NEAR(static_cast<double>(least_separation(m[0])), -0.2, 1e-6) << gap << " " << angle << " " << margin;
+                for (const std::vector<Manifold>& m : {c.found(), c.found_as_hull()}) {
+                    ASSERT_EQ(m.size(), 1u);
+                    EXPECT_NEAR(static_cast<double>(least_separation(m[0])), -0.2, 1e-6) << gap << " " << angle << " " << margin;
+                }
             }
         }
     }
