@@ -99,7 +99,7 @@ template <class T>
 /// within an angle of 2^-400 of that may.
 template <class T>
 [[nodiscard]] std::optional<RayHit<T>> cast_ray(const Plane<T>& plane, const Ray<T>& ray) noexcept;
-/// From either side, the rim included: k = 9. A ray parallel to the disc misses it, within it too.
+/// From either side, the rim included: k = 9. A ray parallel to the disc misses it, within it too; one within an angle of 2^-400 of that may.
 template <class T>
 [[nodiscard]] std::optional<RayHit<T>> cast_ray(const Disc<T>& disc, const Ray<T>& ray) noexcept;
 
