@@ -63,6 +63,7 @@ void for_each_pair(const StaticBvh& a, const StaticBvh& b, const Pose& b_in_a, b
 void sort_pairs(std::vector<TrianglePair>& pairs) {
     thread_local const hwy::Sorter sorter;
     thread_local std::vector<std::uint64_t> keys;
+    if (pairs.size() < 2) return;
     keys.clear();
     for (const TrianglePair& pair : pairs) keys.push_back(std::uint64_t{pair.a} << 32 | pair.b);
     sorter(keys.data(), keys.size(), hwy::SortAscending());  // no two are equal

@@ -281,8 +281,8 @@ HWY_INLINE void judge_partners(const Described& first, const Described& second, 
     pair.count = kept;
 }
 
-/// Pairs of triangles of several pairs of leaves side by side. Two leaves whose boxes meet have seven pairs of triangles in the mean whose boxes do: judged by
-/// themselves they leave more than half of the lanes empty.
+/// Pairs of triangles of several pairs of leaves side by side. Two leaves have eight or nine pairs of triangles in the mean whose boxes meet: judged
+/// by themselves they leave half of the lanes empty.
 class GatheredPairs {
 public:
     /// Takes the pairs listed. Their leaves need not stay described.

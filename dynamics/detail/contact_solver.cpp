@@ -63,8 +63,7 @@ void ContactSolver::prepare(const ContactSet& contacts, std::span<const unsigned
         prepare_bundles(std::span{bundles_}.subspan(begin, end - begin), input);
     });
     settings.resists ? rolling_.list({contacts, proxies, rows_, bundles_}, h) : rolling_.clear();
-    point_count_ = 0;
-    for (std::size_t m = 0; m < contacts.manifolds.size(); ++m) point_count_ += static_cast<std::size_t>(manifold_rows_[m].count);
+    point_count_ = contacts.summary.points;
     deep_count_ = 0;
     for (const ContactBundle& bundle : bundles_) deep_count_ += static_cast<std::size_t>(bundle.deep);
 }
@@ -180,12 +179,12 @@ void ContactSolver::sort_by_points(std::size_t parts) {
     const std::span<const std::uint32_t> starts = coloring_.starts();
     lane_order_.assign(order.begin(), order.end());
     constexpr std::size_t kKinds = kMaxManifoldPoints + 1;
-    const auto bodies = std::max<std::size_t>(1, static_cast<std::size_t>(rows_.movable));
+    const std::uint64_t parts_of_a_row = (std::uint64_t{parts} << 32) / static_cast<std::uint64_t>(std::max(1, rows_.movable));  // in 2^-32
     std::vector<std::uint32_t>& place = places_;  // of the next one of a part with so many points
     const auto kind = [&](std::uint32_t m) {
         const ManifoldRow& row = manifold_rows_[m];
-        const auto body = static_cast<std::size_t>(std::min(row.row_a, row.row_b));
-        return std::min(parts - 1, body * parts / bodies) * kKinds + (kMaxManifoldPoints - static_cast<std::size_t>(row.count));
+        const auto body = static_cast<std::uint64_t>(std::min(row.row_a, row.row_b));
+        return std::min<std::size_t>(parts - 1, body * parts_of_a_row >> 32) * kKinds + (kMaxManifoldPoints - static_cast<std::size_t>(row.count));
     };
     for (std::size_t c = 0; c + 1 < starts.size(); ++c) {
         place.assign(parts * kKinds, 0);

@@ -38,7 +38,7 @@ public:
     [[nodiscard]] static std::size_t part_count(const Executor& executor) noexcept;
 
     /// Runs the phases in order. Results must not depend on how a phase is cut.
-    /// @param body  must not use the executor.
+    /// @param body  must not use the executor, and must not throw.
     /// @param milliseconds  by label; what passes is added, as the thread that comes in first sees it.
     void run(std::span<const Phase> phases, Executor& executor, Body body, std::span<double> milliseconds);
 

@@ -184,23 +184,20 @@ CollideStatus capsule_box(const PairFrame& pair, Workspace&, ManifoldSink& sink)
         add_ball(patch, dvec3{0.0, s * half_segment, 0.0}, radius, separation, name);
     };
     const double low = stretch.distance(core.at(stretch.low.t)), high = stretch.distance(core.at(stretch.high.t));
-    const bool has_low = low - radius <= pair.margin, has_high = high - radius <= pair.margin;
-    const dvec3 across = glm::cross(axis.outward, core.along) * (stretch.high.t - stretch.low.t);
     const double tolerance = kPointTolerance * size;
-    // Then the nearest point stands in, or the lowest end of what reaches into the box.
-    const bool lost = std::min(low, high) > axis.separation + tolerance;
-    const double rise = glm::dot(axis.outward, core.along);
-    const double stand_in = apart || !(std::abs(rise) > tolerance) ? t : (rise > 0.0 ? -1.0 : 1.0);
-    if (lost) {
-        add(stand_in, axis.separation, name_of({stand_in, 0}, Ends::Either));
-    } else if (has_low && has_high && stretch.low.t < stretch.high.t && glm::dot(across, across) > tolerance * tolerance) {
+    const bool lost = std::min(low, high) > axis.separation + tolerance;  // the stretch has missed what is nearest, by rounding
+    const bool has_low = !lost && low - radius <= pair.margin, has_high = !lost && high - radius <= pair.margin;
+    const dvec3 across = glm::cross(axis.outward, core.along) * (stretch.high.t - stretch.low.t);
+    if (has_low && has_high && stretch.low.t < stretch.high.t && glm::dot(across, across) > tolerance * tolerance) {
         add(stretch.low.t, low, name_of(stretch.low, Ends::From));
         add(stretch.high.t, high, name_of(stretch.high, Ends::To));
     } else if (has_high && !(has_low && low <= high)) {
         add(stretch.high.t, high, name_of(stretch.high, Ends::Either));
     } else if (has_low) {
         add(stretch.low.t, low, name_of(stretch.low, Ends::Either));
-    } else {  // by rounding: the two that are nearest
+    } else {  // the nearest point stands in, or the lowest end of what reaches into the box
+        const double rise = glm::dot(axis.outward, core.along);
+        const double stand_in = apart || !(std::abs(rise) > tolerance) ? t : (rise > 0.0 ? -1.0 : 1.0);
         add(stand_in, axis.separation, name_of({stand_in, 0}, Ends::Either));
     }
     sink.add(patch);

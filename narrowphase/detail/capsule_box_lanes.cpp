@@ -185,15 +185,15 @@ HWY_INLINE WideContact<2> points_of(const WideFrame& f, const Core& core, Double
     const FaceStretch stretch = stretch_over_face(core, axis.outward, Doubles(kInsideTolerance) * size + beside);
     const Cut &low = stretch.low, &high = stretch.high;
     const Doubles low_distance = stretch.distance(core.at(low.t)), high_distance = stretch.distance(core.at(high.t));
-    const DoubleMask has_low = touches & (low_distance - radius <= f.margin), has_high = touches & (high_distance - radius <= f.margin);
-    const Doubles3 along{core.x.along, core.y.along, core.z.along}, across = cross(axis.outward, along) * (high.t - low.t);
     const Doubles tolerance = Doubles(kPointTolerance) * size;
-    const DoubleMask lost = least(low_distance, high_distance) > axis.separation + tolerance;
+    const DoubleMask found = touches & !(least(low_distance, high_distance) > axis.separation + tolerance);
+    const DoubleMask has_low = found & (low_distance - radius <= f.margin), has_high = found & (high_distance - radius <= f.margin);
+    const Doubles3 along{core.x.along, core.y.along, core.z.along}, across = cross(axis.outward, along) * (high.t - low.t);
     const Doubles rise = dot(axis.outward, along);
     const Doubles stand_in = select(apart | !(abs(rise) > tolerance), t, select(rise > zero, -one, one));
-    const DoubleMask two = (!lost) & has_low & has_high & (low.t < high.t) & (dot(across, across) > tolerance * tolerance);
+    const DoubleMask two = has_low & has_high & (low.t < high.t) & (dot(across, across) > tolerance * tolerance);
     const DoubleMask high_alone = has_high & !(two | (has_low & (low_distance <= high_distance)));
-    const DoubleMask at_nearest = lost | !(has_low | high_alone);
+    const DoubleMask at_nearest = !(has_low | high_alone);
 
     const auto pick = [&](Doubles of_low, Doubles of_high, Doubles nearest) {
         return select(at_nearest, nearest, select(high_alone, of_high, of_low));

@@ -6,6 +6,7 @@
 #include <carom/collision/triangle_mesh.hpp>
 #include <carom/core/math.hpp>
 #include <carom/core/random.hpp>
+#include <carom/studies/accuracy/any_direction.hpp>
 
 #include <glm/geometric.hpp>
 
@@ -16,14 +17,6 @@
 
 namespace carom::accuracy {
 namespace {
-
-dvec3 any_direction(Random& random) {
-    for (;;) {
-        const dvec3 v{random.range(-1.0, 1.0), random.range(-1.0, 1.0), random.range(-1.0, 1.0)};
-        const double length = glm::length(v);
-        if (length > 0.1 && length <= 1.0) return v / length;
-    }
-}
 
 dquat turn(const dvec3& axis, double angle) {
     const SinCos half = sin_cos(0.5 * angle);

@@ -6,7 +6,9 @@
 #include <carom/collision/triangle_mesh.hpp>
 #include <carom/core/math.hpp>
 #include <carom/core/random.hpp>
+#include <carom/studies/accuracy/any_direction.hpp>
 #include <carom/studies/oracle/brute_force.hpp>
+#include <carom/studies/oracle/hull_surface.hpp>
 
 #include <glm/geometric.hpp>
 
@@ -16,13 +18,7 @@
 namespace carom::accuracy {
 namespace {
 
-dvec3 any_direction(Random& random) {
-    for (;;) {
-        const dvec3 v{random.range(-1.0, 1.0), random.range(-1.0, 1.0), random.range(-1.0, 1.0)};
-        const double length = glm::length(v);
-        if (length > 0.1 && length <= 1.0) return v / length;
-    }
-}
+using oracle::surface_of;
 
 dquat any_turn(Random& random) { return rotation_from_vector(random.range(0.0, kPi) * any_direction(random)); }
 
@@ -38,17 +34,6 @@ Shape any_solid(Solids solids, Random& random) {
 oracle::Solid solid_at(const Shape& shape, const Pose& pose) {
     const Box* box = std::get_if<Box>(&shape);
     return box != nullptr ? oracle::solid_of(*box, pose, dvec3{0.0}) : oracle::solid_of(*std::get<ConvexHullPtr>(shape), pose, dvec3{0.0});
-}
-
-TriangleMeshPtr surface_of(const ConvexHull& hull) {
-    std::vector<TriangleMesh::Triangle> triangles;
-    const auto edges = hull.edges();
-    for (const ConvexHull::Face& face : hull.faces()) {
-        for (std::uint32_t b = edges[face.first_edge].next; edges[b].next != face.first_edge; b = edges[b].next) {
-            triangles.push_back({edges[face.first_edge].origin, edges[b].origin, edges[edges[b].next].origin});
-        }
-    }
-    return *TriangleMesh::build(hull.vertices(), triangles);
 }
 
 // Six sides of n x n quads; corners of neighbouring sides are at the same positions.

@@ -5,6 +5,7 @@
 #include <carom/collision/terrain.hpp>
 #include <carom/collision/triangle_mesh.hpp>
 #include <carom/narrowphase/explain.hpp>
+#include <carom/studies/oracle/hull_surface.hpp>
 
 #include <gtest/gtest.h>
 
@@ -14,6 +15,7 @@ namespace carom {
 namespace {
 
 using namespace test;
+using oracle::surface_of;
 
 constexpr ShapeType kSolids[] = {ShapeType::Sphere,     ShapeType::Box,      ShapeType::Capsule,
                                  ShapeType::ConvexHull, ShapeType::Cylinder, ShapeType::Cone};
@@ -21,17 +23,6 @@ constexpr ShapeType kSolids[] = {ShapeType::Sphere,     ShapeType::Box,      Sha
 TriangleMeshPtr ground_of(int side, const std::function<double(double, double)>& height) {
     const MeshData data = height_grid(side, side, 16.0 / side, height);
     return *TriangleMesh::build(data.vertices, data.triangles);
-}
-
-TriangleMeshPtr surface_of(const ConvexHull& hull) {
-    std::vector<TriangleMesh::Triangle> triangles;
-    const auto edges = hull.edges();
-    for (const ConvexHull::Face& face : hull.faces()) {
-        for (std::uint32_t b = edges[face.first_edge].next; edges[b].next != face.first_edge; b = edges[b].next) {
-            triangles.push_back({edges[face.first_edge].origin, edges[b].origin, edges[edges[b].next].origin});
-        }
-    }
-    return *TriangleMesh::build(hull.vertices(), triangles);
 }
 
 // Triangles from forty times the shapes' size to a twentieth of it, and the ground at any angle.

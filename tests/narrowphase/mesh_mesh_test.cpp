@@ -6,6 +6,7 @@
 #include <carom/collision/mesh_pairs.hpp>
 #include <carom/collision/teapot.hpp>
 #include <carom/collision/triangle_mesh.hpp>
+#include <carom/studies/oracle/hull_surface.hpp>
 
 #include <support/box_mesh.hpp>
 #include <support/grid_mesh.hpp>
@@ -18,18 +19,7 @@ namespace carom {
 namespace {
 
 using namespace test;
-
-// The surface of a hull.
-TriangleMeshPtr surface_of(const ConvexHull& hull) {
-    std::vector<TriangleMesh::Triangle> triangles;
-    const auto edges = hull.edges();
-    for (const ConvexHull::Face& face : hull.faces()) {
-        for (std::uint32_t b = edges[face.first_edge].next; edges[b].next != face.first_edge; b = edges[b].next) {
-            triangles.push_back({edges[face.first_edge].origin, edges[b].origin, edges[edges[b].next].origin});
-        }
-    }
-    return *TriangleMesh::build(hull.vertices(), triangles);
-}
+using oracle::surface_of;
 
 TriangleMeshPtr flat_ground() {
     return grid_mesh(33, [](float i, float j) { return vec3{0.125f * (i - 16.0f), 0.0f, 0.125f * (j - 16.0f)}; });

@@ -3,6 +3,7 @@
 #include "standing.hpp"
 
 #include <carom/collision/triangle_mesh.hpp>
+#include <carom/studies/oracle/hull_surface.hpp>
 
 #include <gtest/gtest.h>
 
@@ -175,14 +176,7 @@ TEST(Mesh, TheSurfaceOfAHullIsAsFarAsTheHull) {
     int near = 0, shallow = 0;
     for (int i = 0; i < 3000; ++i) {
         const ConvexHullPtr hull = random_hull(r, 16, 0.4, 0.8);
-        std::vector<TriangleMesh::Triangle> triangles;
-        const auto edges = hull->edges();
-        for (const ConvexHull::Face& face : hull->faces()) {
-            for (std::uint32_t b = edges[face.first_edge].next; edges[b].next != face.first_edge; b = edges[b].next) {
-                triangles.push_back({edges[face.first_edge].origin, edges[b].origin, edges[edges[b].next].origin});
-            }
-        }
-        const Shape solid = hull, surface = *TriangleMesh::build(hull->vertices(), triangles);
+        const Shape solid = hull, surface = oracle::surface_of(*hull);
         const Shape others[] = {Sphere{0.3f},        Box{{0.3f, 0.2f, 0.4f}},        Capsule{0.2f, 0.3f},
                                 Cylinder{0.3f, 0.3f}, random_hull(r, 12, 0.3, 0.5), Cone{0.3f, 0.4f}};
         const Shape& other = others[i % 6];

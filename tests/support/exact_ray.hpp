@@ -340,9 +340,7 @@ std::string surface_fault(const Given& given, const geo::Ray<T>& ray, std::optio
     // A disc's plane may be missed where it is met at an angle below 2^-400.
     const Rational least =
         std::is_same_v<Given, geo::Disc<T>> ? number(0x1p-800) * length_sq(figure.normal) * length_sq(line.direction) : Rational(0);
-    if (rate * rate <= least) {
-        return "";
-    }
+    if (rate * rate <= least) return "";
     const Rational height = dot(figure.normal, figure.origin() - line.origin);
     const Rational thick = by * sqrt_up(length_sq(figure.normal));
     const auto crossing = [&](const Rational& moved) {
