@@ -87,6 +87,20 @@ TEST(PhaseLoop, DoesEveryIndexOnceAndInTurnOnAnyThreads) {
     }
 }
 
+TEST(PhaseLoop, TheTimeIsThatOfWhoeverComesFirst) {
+    OddExecutor executor(4, [](std::size_t count, const Executor::Body& body) {
+        for (std::size_t i = count; i-- > 0;) body(i, i + 1);
+    });
+    PhaseLoop loop;
+    std::array<double, 3> milliseconds{};
+    const std::array<Phase, 3> phases{Phase{.count = 1, .label = 0}, {.count = 3, .label = 1}, {.count = 1, .label = 2}};
+    const auto body = [](std::size_t phase, std::size_t, std::size_t) {
+        if (phase == 1) std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    };
+    loop.run(phases, executor, body, milliseconds);
+    EXPECT_GE(milliseconds[1], 6.0);
+}
+
 TEST(PhaseLoop, OfNothingDoesNothing) {
     OddExecutor executor(2, [](std::size_t count, const Executor::Body& body) { in_threads(count, body, false); });
     PhaseLoop loop;
