@@ -138,12 +138,17 @@ struct CollideBatch {
         executor.parallel_for(data.types.size(), 256, [&](std::size_t begin, std::size_t end) {
             std::array<std::uint32_t, kChunk> boxes;
             std::size_t box_count = 0;
+            const auto write = [&] {
+                const std::span<const std::uint32_t> chosen(boxes.data(), box_count);
+                detail::write_box_lines(placed, chosen, chosen, data.boxes);
+                box_count = 0;
+            };
             for (std::size_t k = begin; k < end; ++k) {
                 if (data.types[k] != static_cast<unsigned char>(ShapeType::Box)) continue;
                 boxes[box_count++] = static_cast<std::uint32_t>(k);
-                if (box_count == boxes.size()) detail::write_box_lines(placed, {boxes.data(), std::exchange(box_count, 0u)}, data.boxes);
+                if (box_count == boxes.size()) write();
             }
-            detail::write_box_lines(placed, {boxes.data(), box_count}, data.boxes);
+            write();
         });
     }
 
@@ -242,7 +247,8 @@ struct CollideBatch {
         data.places.resize(pairs.size());
         if (!alone) find_reusable();
         const auto [run_count, box_pairs] = sort_by_kernel();
-        if (box_pairs > 0) write_lines();
+        data.boxes.clear();
+        if (4 * box_pairs > 3 * data.types.size()) write_lines();  // most boxes are in more than one pair
         const std::size_t chunk_count = (run_count + kChunk - 1) / kChunk;
         if (data.chunks.size() < chunk_count) data.chunks.resize(chunk_count);
         executor.parallel_for(chunk_count, 1, [&](std::size_t begin, std::size_t end) {

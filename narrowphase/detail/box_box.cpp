@@ -89,14 +89,14 @@ struct Pairs {
         ways[bundle].pair.lane[lane] = pair;
         ++count;
     }
-    void place(const BatchInput& input) {
+    void place(const BatchInput& input, std::span<const BoxLine> lines) {
         for (std::size_t i = count; i < bundles() * kBundleWidth; ++i) {  // lanes without a pair
             BoxNumberBundle& last = numbers[i / kBundleWidth];
             last.a.lane[i % kBundleWidth] = last.a.lane[0];
             last.b.lane[i % kBundleWidth] = last.b.lane[0];
         }
         std::array<std::uint32_t, kBundles> unusual{};
-        place_boxes(input.boxes, {numbers.data(), bundles()}, {pairs.data(), bundles()}, {unusual.data(), bundles()});
+        place_boxes(lines, {numbers.data(), bundles()}, {pairs.data(), bundles()}, {unusual.data(), bundles()});
         for (std::size_t k = 0; k < bundles(); ++k) {
             std::fill(std::begin(ways[k].unit.lane), std::end(ways[k].unit.lane), 1.0f);
             for (FloatBundle& centre : ways[k].centre) centre = {};
@@ -111,21 +111,44 @@ struct Pairs {
 
 struct Block {
     Pairs all, near;
+    std::array<BoxLine, 2 * kBlock> lines;
+    std::array<std::uint32_t, 2 * kBlock> boxes;
     std::array<BoxPatchBundle, kBundles> patches{};
     ManifoldList corners;                   // of pairs that touch corner to corner
     std::vector<std::uint32_t> corners_to;  // where they go
 
+    // @return the lines of their boxes.
+    std::span<const BoxLine> add_pairs(const BatchInput& input, std::span<const std::uint32_t> chosen) {
+        const bool own_lines = input.boxes.empty();
+        all.count = 0;
+        for (const std::uint32_t i : chosen) {
+            const NumberedPair& pair = input.pairs[i];
+            const auto first = static_cast<std::uint32_t>(2 * all.count);
+            boxes[first] = pair.a, boxes[first + 1] = pair.b;
+            const std::uint32_t a = own_lines ? first : pair.a, b = own_lines ? first + 1 : pair.b;
+            all.add(static_cast<std::int32_t>(i), static_cast<std::int32_t>(a), static_cast<std::int32_t>(b), input.margin(i));
+        }
+        if (!own_lines) return input.boxes;
+        static constexpr auto kPlaces = [] {
+            std::array<std::uint32_t, 2 * kBlock> places{};
+            for (std::uint32_t k = 0; k < places.size(); ++k) places[k] = k;
+            return places;
+        }();
+        write_box_lines(input.placed, {boxes.data(), 2 * chosen.size()}, {kPlaces.data(), 2 * chosen.size()}, lines);
+        return lines;
+    }
+
     void keep_near() noexcept {
         near.count = 0;
-        for (std::size_t i = 0; i < all.count; ++i) {
+        for (std::size_t i = 0; i < all.count; ++i) {  // without a branch a pair: which are apart cannot be foretold
             const std::size_t bundle = i / kBundleWidth, lane = i % kBundleWidth;
             const std::int32_t code = all.axes[bundle].code.lane[lane];
-            if (code == kApart) continue;
             BoxAxisBundle& axes = near.axes[near.count / kBundleWidth];
             axes.code.lane[near.count % kBundleWidth] = code;
             axes.separation.lane[near.count % kBundleWidth] = all.axes[bundle].separation.lane[lane];
             const BoxNumberBundle& numbers = all.numbers[bundle];
             near.add(all.ways[bundle].pair.lane[lane], numbers.a.lane[lane], numbers.b.lane[lane], numbers.margin.lane[lane]);
+            near.count -= code == kApart ? 1 : 0;
         }
     }
 
@@ -162,21 +185,17 @@ void collide_block(const BatchInput& input, std::span<const std::uint32_t> chose
                    ManifoldList& out) {
     Pairs& all = work.all;
     Pairs& near = work.near;
-    all.count = 0;
-    for (const std::uint32_t i : chosen) {
-        const NumberedPair& pair = input.pairs[i];
-        all.add(static_cast<std::int32_t>(i), static_cast<std::int32_t>(pair.a), static_cast<std::int32_t>(pair.b), input.margin(i));
-    }
-    all.place(input);
+    const std::span<const BoxLine> lines = work.add_pairs(input, chosen);
+    all.place(input, lines);
     find_box_axes({all.pairs.data(), all.bundles()}, {all.axes.data(), all.bundles()});
     work.keep_near();
     if (near.count == 0) return;
     const std::size_t bundles = near.bundles();
-    near.place(input);
+    near.place(input, lines);
     build_box_patches({near.pairs.data(), bundles}, {near.axes.data(), bundles}, {work.patches.data(), bundles});
     const std::size_t first = out.size();
     out.add_unwritten(work.number_manifolds(input, first, workspace));
-    write_box_manifolds(input.boxes, {near.numbers.data(), bundles}, {near.ways.data(), bundles}, {near.axes.data(), bundles},
+    write_box_manifolds(lines, {near.numbers.data(), bundles}, {near.ways.data(), bundles}, {near.axes.data(), bundles},
                         {work.patches.data(), bundles}, out.data());
     for (std::size_t k = 0; k < work.corners.size(); ++k) out.data()[work.corners_to[k]] = work.corners[k];
 }

@@ -1,6 +1,6 @@
 // Many pairs of boxes at once: how sixteen of them lie side by side, and the kernels that work on them.
 //
-//   write_box_lines(placed, numbers, lines);  // once for each box
+//   write_box_lines(placed, numbers, places, lines);
 //   place_boxes(lines, numbers, pairs, unusual);
 //   find_box_axes(pairs, axes);             // which axis separates most, or that they are apart
 //   build_box_patches(pairs, axes, patches);
@@ -30,8 +30,8 @@ struct alignas(32) BoxLine {
 };
 [[nodiscard]] BoxLine box_line(const Box& box, const Pose& pose) noexcept;
 /// The same, to the bit, of many boxes.
-/// @param numbers  those of `placed` that are boxes. @param lines  by number.
-void write_box_lines(const PlacedShapes& placed, std::span<const std::uint32_t> numbers, std::span<BoxLine> lines);
+/// @param numbers  of shapes that are boxes. @param places  where in `lines` each goes.
+void write_box_lines(const PlacedShapes& placed, std::span<const std::uint32_t> numbers, std::span<const std::uint32_t> places, std::span<BoxLine> lines);
 
 /// Which boxes sixteen pairs are of. Lanes without a pair repeat another.
 struct BoxNumberBundle {

@@ -64,16 +64,17 @@ HWY_INLINE void convert(BoxNumbers& n, int bundle, int lane) {
     }
 }
 
-void WriteBoxLines(const PlacedShapes& placed, std::span<const std::uint32_t> numbers, std::span<BoxLine> lines) {
+void WriteBoxLines(const PlacedShapes& placed, std::span<const std::uint32_t> numbers, std::span<const std::uint32_t> places, std::span<BoxLine> lines) {
     BoxNumbers n;
     alignas(64) std::int32_t to[kBundleWidth];
     for (std::size_t first = 0; first < numbers.size(); first += kBundleWidth) {
         const std::size_t count = std::min<std::size_t>(kBundleWidth, numbers.size() - first);
         for (std::size_t l = 0; l < kBundleWidth; ++l) {
-            const std::uint32_t number = numbers[first + (l < count ? l : 0)];  // the first stands in for those that are not there
+            const std::size_t of = first + (l < count ? l : 0);  // the first stands in for those that are not there
+            const std::uint32_t number = numbers[of];
             const Pose& pose = placed.poses[number];
             const std::size_t bundle = l / kDoubleBundleWidth, lane = l % kDoubleBundleWidth;
-            to[l] = static_cast<std::int32_t>(number);
+            to[l] = static_cast<std::int32_t>(places[of]);
             double largest = 0.0;
             for (int i = 0; i < 3; ++i) largest = std::max(largest, std::abs(pose.position[i]));
             const bool far = largest > kMostDistance;
@@ -105,8 +106,8 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace carom::detail {
 HWY_EXPORT(WriteBoxLines);
-void write_box_lines(const PlacedShapes& placed, std::span<const std::uint32_t> numbers, std::span<BoxLine> lines) {
-    HWY_DYNAMIC_DISPATCH(WriteBoxLines)(placed, numbers, lines);
+void write_box_lines(const PlacedShapes& placed, std::span<const std::uint32_t> numbers, std::span<const std::uint32_t> places, std::span<BoxLine> lines) {
+    HWY_DYNAMIC_DISPATCH(WriteBoxLines)(placed, numbers, places, lines);
 }
 }  // namespace carom::detail
 #endif

@@ -12,13 +12,12 @@ constexpr std::int32_t edge_number(int axis, std::int32_t corner) noexcept {
     return 4 * axis + ((corner >> ((axis + 1) % 3)) & 1) + 2 * ((corner >> ((axis + 2) % 3)) & 1);
 }
 
-/// By the face's axis, the signs of the normal that leaves it (bit k: not negative along axis k) and a number within the face, in this
-/// order from the coarsest. Corners run (+,+), (-,+), (-,-), (+,-) in the two axes after the face's own; edge k goes from corner k to k + 1;
-/// sides are the edges on p+, p-, q+, q-.
+/// By the face's axis and the signs of the normal that leaves it (bit k: not negative along axis k), in this order from the coarsest: eight
+/// numbers of four bits, the first lowest. Corners run (+,+), (-,+), (-,-), (+,-) in the two axes after the face's own; edge k goes from corner
+/// k to k + 1; sides are the edges on p+, p-, q+, q-.
 struct BoxNames {
-    alignas(64) std::int32_t corner[96] = {};
-    alignas(64) std::int32_t edge[96] = {};
-    alignas(64) std::int32_t side[96] = {};
+    alignas(64) std::uint32_t corners_and_sides[24] = {};
+    alignas(64) std::uint32_t corners_and_edges[24] = {};
     alignas(64) std::int32_t leading[24] = {};  ///< by axis and signs: the edge along the axis that is farthest along the normal
 };
 
@@ -27,14 +26,19 @@ constexpr BoxNames make_box_names() noexcept {
     for (int axis = 0; axis < 3; ++axis) {
         const int p = (axis + 1) % 3, q = (axis + 2) % 3;
         for (int toward = 0; toward < 8; ++toward) {
-            const int face = 32 * axis + 4 * toward;
+            const int face = 8 * axis + toward;
+            std::uint32_t corners = 0, edges = 0, sides = 0;
             for (int k = 0; k < 4; ++k) {
-                names.corner[face + k] = (toward & (1 << axis)) | (k == 0 || k == 3 ? 1 << p : 0) | (k < 2 ? 1 << q : 0);
-                names.edge[face + k] = edge_number(k % 2 == 0 ? p : q, names.corner[face + k]);
+                constexpr int kSideOfEdge[4] = {2, 1, 3, 0};
+                const std::int32_t corner = (toward & (1 << axis)) | (k == 0 || k == 3 ? 1 << p : 0) | (k < 2 ? 1 << q : 0);
+                const auto edge = static_cast<std::uint32_t>(edge_number(k % 2 == 0 ? p : q, corner));
+                corners |= static_cast<std::uint32_t>(corner) << (4 * k);
+                edges |= edge << (4 * k);
+                sides |= edge << (4 * kSideOfEdge[k]);
             }
-            constexpr int kEdgeOfSide[4] = {3, 1, 0, 2};
-            for (int k = 0; k < 4; ++k) names.side[face + k] = names.edge[face + kEdgeOfSide[k]];
-            names.leading[8 * axis + toward] = edge_number(axis, toward);
+            names.corners_and_sides[face] = corners | (sides << 16);
+            names.corners_and_edges[face] = corners | (edges << 16);
+            names.leading[face] = edge_number(axis, toward);
         }
     }
     return names;

@@ -154,12 +154,12 @@ void add_face_points(const Faces& f, Mask wanted, Floats margin, WideCandidates&
         t[k] = f.centre.y + (p * f.edge_p.y + q * f.edge_q.y);
         h[k] = f.centre.z + (p * f.edge_p.z + q * f.edge_q.z);
     }
-    const auto add = [&](Floats at_s, Floats at_t, Floats separation, Mask valid, int code) {
+    const auto add = [&](Floats at_s, Floats at_t, Floats separation, Mask valid, Ints code) {
         valid = valid & wanted & (separation <= margin);
         if (any(valid)) out.add(at_s * f.pu + at_t * f.qu, at_t * f.qw, separation, valid, code);
     };
 #pragma GCC unroll 4
-    for (int k = 0; k < 4; ++k) add(s[k], t[k], h[k], (abs(s[k]) <= inside) & (abs(t[k]) <= inside), k);
+    for (int k = 0; k < 4; ++k) add(s[k], t[k], h[k], (abs(s[k]) <= inside) & (abs(t[k]) <= inside), Ints(k));
 
     // Corners of the square, in the coordinates of the parallelogram, whose area is not small: both faces look along the normal.
     const Floats inverse = one / (f.edge_p.x * f.edge_q.y - f.edge_p.y * f.edge_q.x);
@@ -169,25 +169,31 @@ void add_face_points(const Faces& f, Mask wanted, Floats margin, WideCandidates&
         const Floats p = (ds * f.edge_q.y - dt * f.edge_q.x) * inverse;
         const Floats q = (f.edge_p.x * dt - f.edge_p.y * ds) * inverse;
         const Floats separation = f.centre.z + (p * f.edge_p.z + q * f.edge_q.z);
-        add(Floats(kCornerP[k]), Floats(kCornerQ[k]), separation, (abs(p) <= inside) & (abs(q) <= inside), kCornerOfA + k);
+        add(Floats(kCornerP[k]), Floats(kCornerQ[k]), separation, (abs(p) <= inside) & (abs(q) <= inside), Ints(kCornerOfA + k));
     }
 #pragma GCC unroll 4
     for (int side = 0; side < 4; ++side) {
         const Floats* x = side < 2 ? s : t;
         const Floats* y = side < 2 ? t : s;
-        const float line = side % 2 == 0 ? 1.0f : -1.0f;
-#pragma GCC unroll 4
-        for (int k = 0; k < 4; ++k) {
-            const int n = (k + 1) % 4;
-            const Mask here = x[k] * Floats(line) > one, there = x[n] * Floats(line) > one;
-            const Mask crosses = (here & (!there)) | ((!here) & there);
-            if (none(crosses)) continue;
-            const Floats share = (x[k] - Floats(line)) / (x[k] - x[n]);
-            const Floats along = y[k] + share * (y[n] - y[k]);
-            const Floats separation = h[k] + share * (h[n] - h[k]);
-            const Mask valid = crosses & (abs(along) <= inside);
-            add(side < 2 ? Floats(line) : along, side < 2 ? along : Floats(line), separation, valid, kCrossing + 4 * side + k);
-        }
+        const Floats line(side % 2 == 0 ? 1.0f : -1.0f);
+        const Mask beyond[4] = {x[0] * line > one, x[1] * line > one, x[2] * line > one, x[3] * line > one};
+        const auto crosses = [&](int k) { return (beyond[k] & (!beyond[(k + 1) % 4])) | ((!beyond[k]) & beyond[(k + 1) % 4]); };
+        const Mask crosses_0 = crosses(0), crosses_1 = crosses(1), crosses_3 = crosses(3);
+        const Mask crossed = crosses_0 | crosses_1 | crosses(2);  // a line crosses two edges of a parallelogram, or none
+        if (none(crossed)) continue;
+        const auto cross = [&](int edge, const Mask& is_edge, const Mask& is_next) {  // otherwise it is the one after that
+            const auto of = [&](const Floats* v, int k) {
+                return select(is_edge, v[(edge + k) % 4], select(is_next, v[(edge + k + 1) % 4], v[(edge + k + 2) % 4]));
+            };
+            const Floats x_0 = of(x, 0), y_0 = of(y, 0), h_0 = of(h, 0);
+            const Floats share = (x_0 - line) / (x_0 - of(x, 1));
+            const Floats along = y_0 + share * (of(y, 1) - y_0);
+            const Floats separation = h_0 + share * (of(h, 1) - h_0);
+            const Ints code = Ints(kCrossing + 4 * side + edge) + select(is_edge, Ints(0), select(is_next, Ints(1), Ints(2)));
+            add(side < 2 ? line : along, side < 2 ? along : line, separation, crossed & (abs(along) <= inside), code);
+        };
+        cross(0, crosses_0, crosses_1);
+        cross(1, !(crosses(2) | crosses_3), !crosses_3);
     }
 }
 
@@ -213,7 +219,7 @@ HWY_INLINE void add_edge_point(const Pair& p, const EdgeAxis& edges, const Float
     const Mask cross_within = edges.any & (abs(s) <= half_a + tolerance) & (abs(t) <= half_b + tolerance);
     const Floats3 point = Floats(0.5f) * ((corner_a + s * direction_a) + (middle_b + t * edges.direction_b));
     const Floats3 cycled = f.axis_a.cycled(point);
-    out.add(dot(cycled, f.across_u) - f.cu, dot(cycled, f.across_w) - f.cw, separation, cross_within, kEdges);
+    out.add(dot(cycled, f.across_u) - f.cu, dot(cycled, f.across_w) - f.cw, separation, cross_within, Ints(kEdges));
 }
 
 /// The corner of a face, whose half edges are p and q about `centre`, that a point lies at; -1 for none.

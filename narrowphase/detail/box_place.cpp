@@ -99,25 +99,28 @@ void PlaceBoxes(std::span<const BoxLine> lines, std::span<const BoxNumberBundle>
     }
 }
 
-HWY_INLINE Ints look_up(const std::int32_t* table, Ints index) {
+template <class Number>
+HWY_INLINE Ints look_up(const Number* table, Ints index) {
+    static_assert(sizeof(Number) == sizeof(float));
     return as_ints(gather(reinterpret_cast<const float*>(table), index));  // the same 32 bits
 }
 
 // The names of the features of one face of each lane.
 struct WideNames {
-    Ints face;  ///< where its corners and edges begin in the tables
-    Ints toward;
+    Ints numbers;  ///< eight, of four bits each
+    Ints leading;  ///< the edge along the axis that was given
 
-    HWY_INLINE WideNames(Ints axis, const Floats (&normal)[3]) {
+    /// @param table  of box_names.hpp. @param along  an axis.
+    HWY_INLINE WideNames(const std::uint32_t* table, Ints axis, const Floats (&normal)[3], Ints along) {
         const Floats zero(0.0f);
         const Ints none(0);
-        toward = (select(normal[0] < zero, none, Ints(1)) + select(normal[1] < zero, none, Ints(2))) + select(normal[2] < zero, none, Ints(4));
-        face = Ints{hn::ShiftLeft<5>(axis.raw)} + Ints{hn::ShiftLeft<2>(toward.raw)};
+        const Ints toward = (select(normal[0] < zero, none, Ints(1)) + select(normal[1] < zero, none, Ints(2))) + select(normal[2] < zero, none, Ints(4));
+        numbers = look_up(table, Ints{hn::ShiftLeft<3>(axis.raw)} + toward);
+        leading = look_up(kBoxNames.leading, Ints{hn::ShiftLeft<3>(along.raw)} + toward);
     }
-    HWY_INLINE Ints corner(Ints k) const { return look_up(kBoxNames.corner, face + k); }
-    HWY_INLINE Ints edge(Ints k) const { return look_up(kBoxNames.edge, face + k); }
-    HWY_INLINE Ints side(Ints k) const { return look_up(kBoxNames.side, face + k); }
-    HWY_INLINE Ints leading_edge(Ints axis) const { return look_up(kBoxNames.leading, Ints{hn::ShiftLeft<3>(axis.raw)} + toward); }
+    HWY_INLINE Ints corner(Ints k) const { return Ints{hn::Shr(numbers.raw, hn::ShiftLeft<2>(k.raw))} & Ints(15); }
+    /// The edge or side, as the table has it.
+    HWY_INLINE Ints edge(Ints k) const { return corner(k + Ints(4)); }
 };
 
 // feature_name() as two halves.
@@ -133,7 +136,7 @@ HWY_INLINE WideName select(Mask m, const WideName& yes, const WideName& no) {
 struct PointNames {
     WideName name, plain;
 };
-HWY_INLINE PointNames names_of(const BoxPatchBundle::Point& point, int lane, const WideNames& a, const WideNames& b, Ints axis_code) {
+HWY_INLINE PointNames names_of(const BoxPatchBundle::Point& point, int lane, const WideNames& a, const WideNames& b) {
     const Ints candidate = load(point.candidate.lane + lane), nothing(-1), zero(0);
     const Mask is_corner_b = candidate < Ints(kCornerOfA), is_corner_a = (!is_corner_b) & (candidate < Ints(kCrossing));
     const Ints own_a = select(is_corner_a, candidate - Ints(kCornerOfA), nothing), own_b = select(is_corner_b, candidate, nothing);
@@ -141,12 +144,9 @@ HWY_INLINE PointNames names_of(const BoxPatchBundle::Point& point, int lane, con
     const Ints at_b = select(is_corner_b, own_b, load(point.corner_b.lane + lane));
 
     const Mask crosses = candidate == Ints(kEdges);
-    const Ints edges = axis_code - Ints(kFirstEdge);
-    const Ints i = select(edges < Ints(3), zero, select(edges < Ints(6), Ints(1), Ints(2)));
-    const Ints j = edges - (i + (i + i));
     const Ints crossing = select(is_corner_a | is_corner_b | crosses, zero, candidate - Ints(kCrossing));
-    const Ints first = select(crosses, a.leading_edge(select(crosses, i, zero)), a.side(Ints{hn::ShiftRight<2>(crossing.raw)}));
-    const Ints second = select(crosses, b.leading_edge(select(crosses, j, zero)), b.edge(crossing & Ints(3)));
+    const Ints first = select(crosses, a.leading, a.edge(Ints{hn::ShiftRight<2>(crossing.raw)}));
+    const Ints second = select(crosses, b.leading, b.edge(crossing & Ints(3)));
     const WideName by_edges{Ints{hn::ShiftLeft<31>(first.raw)} | second, Ints{hn::ShiftRight<1>(first.raw)}};
 
     const auto with_corners = [&](Ints corner_a, Ints corner_b) {
@@ -170,15 +170,18 @@ void write_lanes(const float* lines, const BoxNumberBundle& numbers, const BoxWa
     };
     const Floats3 normal = three(patch.normal), of_b = three(patch.normal_b), centre = three(way.centre);
     const Floats unit = load(way.unit.lane + lane), zero(0.0f);
-    const WideNames names_a(load(patch.face_a.lane + lane), {normal.x, normal.y, normal.z});
-    const WideNames names_b(load(patch.face_b.lane + lane), {-of_b.x, -of_b.y, -of_b.z});
-    const Ints count = load(patch.count.lane + lane), code = load(axes.code.lane + lane);
+    const Ints count = load(patch.count.lane + lane), edges = load(axes.code.lane + lane) - Ints(kFirstEdge), none(0);
+    const Mask by_edges = edges >= none;
+    const Ints along_a = select(by_edges, select(edges < Ints(3), none, select(edges < Ints(6), Ints(1), Ints(2))), none);
+    const Ints along_b = select(by_edges, edges - (along_a + (along_a + along_a)), none);
+    const WideNames names_a(kBoxNames.corners_and_sides, load(patch.face_a.lane + lane), {normal.x, normal.y, normal.z}, along_a);
+    const WideNames names_b(kBoxNames.corners_and_edges, load(patch.face_b.lane + lane), {-of_b.x, -of_b.y, -of_b.z}, along_b);
     Floats row[6 * 4];  // of the four points, as they lie in memory
     Ints low[4], high[4];  // of the names
 #pragma GCC unroll 4
     for (int k = 0; k < 4; ++k) {
         const BoxPatchBundle::Point& point = patch.points[static_cast<std::size_t>(k)];
-        const PointNames names = names_of(point, lane, names_a, names_b, code);
+        const PointNames names = names_of(point, lane, names_a, names_b);
         Mask is_taken = zero > zero;
         for (int i = 0; i < k; ++i) is_taken = is_taken | ((low[i] == names.name.low) & (high[i] == names.name.high));
         low[k] = select(is_taken, names.plain.low, names.name.low);

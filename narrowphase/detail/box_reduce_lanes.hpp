@@ -35,18 +35,18 @@ HWY_INLINE WidePoint select(Mask m, const WidePoint& yes, const WidePoint& no) {
     return {select(m, yes.u, no.u), select(m, yes.w, no.w), select(m, yes.separation, no.separation), select(m, yes.code, no.code)};
 }
 
-/// At most 25 points: 4 + 4 corners, 16 crossings, 1 pair of edges. Lanes in which a point is not valid have an infinite separation.
+/// At most 17 points: 4 + 4 corners, 8 crossings, 1 pair of edges. Lanes in which a point is not valid have an infinite separation.
 struct WideCandidates {
-    static constexpr std::size_t kRoom = 25;
+    static constexpr std::size_t kRoom = 17;
     RawFloats u[kRoom], w[kRoom], separation[kRoom];
-    int code[kRoom];
+    RawInts code[kRoom];
     std::size_t count = 0;
 
-    HWY_INLINE void add(Floats at_u, Floats at_w, Floats at_separation, Mask valid, int its_code) {
+    HWY_INLINE void add(Floats at_u, Floats at_w, Floats at_separation, Mask valid, Ints its_code) {
         u[count] = at_u.raw;
         w[count] = at_w.raw;
         separation[count] = select(valid, at_separation, Floats(kNever)).raw;
-        code[count++] = its_code;
+        code[count++] = its_code.raw;
     }
 };
 
@@ -66,7 +66,7 @@ struct WideBest {
 /// Calls visit(candidate) for each, in order.
 template <class Visit>
 HWY_INLINE void for_each(const WideCandidates& c, const Visit& visit) {
-    for (std::size_t k = 0; k < c.count; ++k) visit(WidePoint{Floats{c.u[k]}, Floats{c.w[k]}, Floats{c.separation[k]}, Ints(c.code[k])});
+    for (std::size_t k = 0; k < c.count; ++k) visit(WidePoint{Floats{c.u[k]}, Floats{c.w[k]}, Floats{c.separation[k]}, Ints{c.code[k]}});
 }
 
 HWY_INLINE Floats distance_sq(const WidePoint& a, const WidePoint& p) { return (p.u - a.u) * (p.u - a.u) + (p.w - a.w) * (p.w - a.w); }
@@ -82,10 +82,11 @@ struct WideChoice {
 
 /// What reduce_points() (reduce.hpp) chooses, for each lane.
 HWY_INLINE WideChoice choose_points(const WideCandidates& all, Floats tolerance, Floats start_u, Floats start_w) {
-    WideBest first(Floats(-kNever)), lowest(Floats(-kNever));
+    WideBest first(Floats(-kNever));
+    Floats lowest(kNever);
     for_each(all, [&](const WidePoint& p) {
         first.offer(p, p.u * start_u + p.w * start_w);
-        lowest.offer(p, -p.separation);
+        lowest = min(p.separation, lowest);
     });
     const WidePoint& a = first.point;
     WideBest farthest(tolerance * tolerance);
@@ -119,9 +120,11 @@ HWY_INLINE WideChoice choose_points(const WideCandidates& all, Floats tolerance,
     Floats least(kNever);
 #pragma GCC unroll 4
     for (int k = 0; k < 4; ++k) least = select(used[k], min(out.points[k].separation, least), least);
-    const WidePoint& deepest = lowest.point;
-    const Mask replace = exists(a) & (lowest.least > tolerance - least);
+    const Mask replace = exists(a) & (-lowest > tolerance - least);
     if (none(replace)) return out;
+    WideBest lowest_point(Floats(-kNever));
+    for_each(all, [&](const WidePoint& p) { lowest_point.offer(p, -p.separation); });
+    const WidePoint& deepest = lowest_point.point;
     Floats nearest(kNever);
     Ints slot(0);
 #pragma GCC unroll 4

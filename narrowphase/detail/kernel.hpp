@@ -76,7 +76,7 @@ struct BoxLine;  // detail/box_lanes.hpp
 /// What kernels for many pairs see. Everything has been checked.
 struct BatchInput {
     PlacedShapes placed;
-    std::span<const BoxLine> boxes;  ///< by shape; of boxes alone
+    std::span<const BoxLine> boxes;  ///< by shape, of boxes alone; empty where the kernel of their pairs is to write its own
     std::span<const NumberedPair> pairs;
 
     /// How far apart the two of a pair may be [m].

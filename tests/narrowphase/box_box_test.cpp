@@ -225,6 +225,16 @@ TEST(BoxBox, PointsBearTheNamesOfTheCornersAndEdgesTheyLieOnEachOnce) {
     EXPECT_LT(1000 * twins, kinds[0] + kinds[1] + kinds[2]) << "points that share a name";
 }
 
+// To the bit.
+bool same(const Manifold& x, const Manifold& y) {
+    bool equal = x.pair == y.pair && x.count == y.count && x.normal == y.normal;
+    for (std::size_t k = 0; equal && k < x.count; ++k) {
+        equal = x.points[k].position == y.points[k].position && x.points[k].separation == y.points[k].separation &&
+                x.points[k].feature == y.points[k].feature;
+    }
+    return equal;
+}
+
 // Lanes do not see one another: alone, in a crowd, at every width.
 TEST(BoxBox, ManyPairsAreManySinglePairs) {
     Random random(43);
@@ -242,14 +252,6 @@ TEST(BoxBox, ManyPairsAreManySinglePairs) {
     for (std::uint32_t i = 0; i < pairs.size(); ++i) collide(pairs[i], i, single);
     ASSERT_GT(single.size(), 150u);
     ASSERT_LT(single.size(), 399u);
-    const auto same = [](const Manifold& x, const Manifold& y) {
-        bool equal = x.pair == y.pair && x.count == y.count && x.normal == y.normal;
-        for (std::size_t k = 0; equal && k < x.count; ++k) {
-            equal = x.points[k].position == y.points[k].position && x.points[k].separation == y.points[k].separation &&
-                    x.points[k].feature == y.points[k].feature;
-        }
-        return equal;
-    };
     SerialExecutor executor;
     for (const int width : available_simd_widths()) {
         set_simd_width(width);
@@ -260,6 +262,35 @@ TEST(BoxBox, ManyPairsAreManySinglePairs) {
         for (std::size_t i = 0; i < batch.size(); ++i) EXPECT_TRUE(same(batch[i], single[i])) << width << ' ' << i;
     }
     set_simd_width(0);
+}
+
+// Boxes that are in many pairs are read once for all of them, those of pairs by themselves with their pair.
+TEST(BoxBox, ACrowdIsManySinglePairs) {
+    Random random(44);
+    std::vector<Shape> shapes;
+    std::vector<Pose> poses;
+    for (int i = 0; i < 60; ++i) {
+        shapes.emplace_back(Box{random_half(random)});
+        poses.push_back({random_direction(random) * random.range(0.0, 2.0), random_rotation(random)});
+    }
+    std::vector<const Shape*> placed;
+    for (const Shape& shape : shapes) placed.push_back(&shape);
+    for (const std::uint32_t reach : {1u, 2u, 30u}) {  // pairs a box
+        std::vector<NumberedPair> pairs;
+        std::vector<Manifold> single, batch;
+        for (std::uint32_t a = 0; a < 60; a += reach == 1 ? 2 : 1) {
+            for (std::uint32_t b = a + 1; b < std::min(60u, a + 1 + reach); ++b) {
+                collide({placed[a], placed[b], poses[a], poses[b], 0.1f}, static_cast<std::uint32_t>(pairs.size()), single);
+                pairs.push_back({a, b, 0.1f});
+            }
+        }
+        SerialExecutor executor;
+        CollideScratch scratch;
+        collide({placed, poses}, pairs, executor, scratch, batch);
+        ASSERT_GT(single.size(), 3u);
+        ASSERT_EQ(batch.size(), single.size()) << reach;
+        for (std::size_t i = 0; i < batch.size(); ++i) EXPECT_TRUE(same(batch[i], single[i])) << reach << ' ' << i;
+    }
 }
 
 }  // namespace

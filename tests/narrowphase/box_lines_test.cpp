@@ -23,12 +23,14 @@ TEST(BoxLines, ManyAreThoseOfOneToTheBit) {
         shapes.push_back(i % 7 == 3 ? Shape{Sphere{1.0f}} : Shape{Box{vec3(random_direction(r))}});
     }
     std::vector<const Shape*> placed;
-    std::vector<std::uint32_t> numbers;
+    std::vector<std::uint32_t> numbers, places;
     for (std::size_t i = 0; i < shapes.size(); ++i) {
         placed.push_back(&shapes[i]);
         if (std::holds_alternative<Box>(shapes[i])) numbers.push_back(static_cast<std::uint32_t>(i));
     }
     ASSERT_NE(numbers.size() % 16, 0u);
+    for (std::size_t k = 0; k < numbers.size(); ++k) places.push_back(static_cast<std::uint32_t>((7 * k + 3) % numbers.size()));
+    ASSERT_NE(numbers.size() % 7, 0u);  // so that each place is taken once
     int far = 0;
     for (const int width : available_simd_widths()) {
         set_simd_width(width);
@@ -36,9 +38,9 @@ TEST(BoxLines, ManyAreThoseOfOneToTheBit) {
             detail::BoxLine untouched{};
             untouched.axis[0][0] = 7.0f;
             std::vector<detail::BoxLine> lines(shapes.size(), untouched);
-            detail::write_box_lines({placed, poses}, std::span(numbers).first(count), lines);
+            detail::write_box_lines({placed, poses}, std::span(numbers).first(count), std::span(places).first(count), lines);
             std::vector<detail::BoxLine> expected(shapes.size(), untouched);
-            for (std::size_t k = 0; k < count; ++k) expected[numbers[k]] = detail::box_line(std::get<Box>(shapes[numbers[k]]), poses[numbers[k]]);
+            for (std::size_t k = 0; k < count; ++k) expected[places[k]] = detail::box_line(std::get<Box>(shapes[numbers[k]]), poses[numbers[k]]);
             for (std::size_t i = 0; i < lines.size(); ++i) {
                 if (expected[i].position[0][3] != 0.0f) {  // beyond floats: nothing else there means anything
                     ASSERT_EQ(lines[i].position[0][3], 1.0f);
