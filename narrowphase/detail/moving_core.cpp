@@ -18,21 +18,40 @@ struct Moment {
     ConvexCore a, b;
     dvec3 between{0.0};  ///< B's pivot
     dvec3 normal{0.0};
+    double rest = 0.0;  ///< how far s goes
+};
 
-    /// @return at least how far the shapes are apart along the normal at t + s; concave in s. `least` is taken off.
+/// A plane that parts the shapes of a moment and turns at a constant rate: with one of them its faces stay in it, with neither it stands.
+class TurningPlane {
+public:
+    TurningPlane(const Moment& now, const dvec3& turn) noexcept : now_(now) {
+        const dvec3 &n = now.normal, sway = glm::cross(turn, n), &along = now.pair.along;
+        const double swing = glm::length(sway), pull = glm::dot(sway, along);
+        const MovingCore &a = now.pair.a, &b = now.pair.b;
+        rate_ = glm::dot(n, along) + glm::dot(sway, now.between);
+        slope_a_ = glm::cross(n, a.rotation) + sway;
+        slope_b_ = -(glm::cross(n, b.rotation) + sway);
+        const auto curvature = [&](const MovingCore& core) {  // of a point's height in a frame that turns with the core
+            const dvec3 differ = turn - core.rotation;
+            const double most = glm::length(differ), first = glm::length(glm::cross(differ, n)) + now.rest * most * swing;
+            return core.reach * (glm::length(core.rotation) * std::min(most, first) + most * swing);
+        };
+        const double carried = glm::length(turn) * swing * (glm::length(now.between) + 3.0 * now.rest * glm::length(along));
+        bend_ = 0.5 * (curvature(a) + curvature(b) + carried) + std::max(0.0, -pull);
+    }
+
+    /// @return at least how far the shapes are apart across the plane at t + s; concave in s. `least` is taken off.
     [[nodiscard]] double gap(double s, double least) const noexcept {
-        const dvec3 ma = normal + s * glm::cross(normal, pair.a.rotation);
-        const dvec3 mb = -normal - s * glm::cross(normal, pair.b.rotation);
-        const double top = glm::dot(ma, a.support(ma).point);
-        const double bottom = glm::dot(mb, b.support(mb).point - between);
-        const double bend = 0.5 * s * s * (curvature(pair.a) + curvature(pair.b));
-        return glm::dot(normal, between + s * pair.along) - top - bottom - (bend + least);
+        const dvec3 ma = now_.normal + s * slope_a_, mb = -now_.normal + s * slope_b_;
+        const double top = glm::dot(ma, now_.a.support(ma).point);
+        const double bottom = glm::dot(mb, now_.b.support(mb).point - now_.between);
+        return (glm::dot(now_.normal, now_.between) + s * rate_) - top - bottom - (s * s * bend_ + least);
     }
 
 private:
-    [[nodiscard]] double curvature(const MovingCore& core) const noexcept {
-        return glm::length(core.rotation) * glm::length(glm::cross(core.rotation, normal)) * core.reach;
-    }
+    const Moment& now_;
+    dvec3 slope_a_{0.0}, slope_b_{0.0};
+    double rate_ = 0.0, bend_ = 0.0;
 };
 
 /// @return the longest step found for which `gap` stays positive; 0 where none is. A secant of a concave function ends before its root.
@@ -48,6 +67,40 @@ double safe_step(const Gap& gap, double now, double rest) noexcept {
         far = next;
     }
     return safe;
+}
+
+/// The different points of a core that the closest point lies between.
+struct Feature {
+    std::array<std::uint32_t, 4> points{};
+    int count = 0;
+
+    Feature(const std::array<std::uint32_t, 4>& numbers, std::uint32_t used) noexcept {
+        for (std::uint32_t i = 0; i < used; ++i) {
+            if (std::find(points.begin(), points.begin() + count, numbers[i]) == points.begin() + count) points[static_cast<std::size_t>(count++)] = numbers[i];
+        }
+    }
+    [[nodiscard]] dvec3 edge(const ConvexCore& core) const noexcept { return core.place(points[1]) - core.place(points[0]); }
+};
+
+/// How a plane turns that two edges stay in; with B where they are all but parallel.
+dvec3 turn_with_edges(const Moment& now, const dvec3& edge_a, const dvec3& edge_b) noexcept {
+    const dvec3 &n = now.normal, &turn_a = now.pair.a.rotation, &turn_b = now.pair.b.rotation;
+    const double area = glm::dot(n, glm::cross(edge_a, edge_b));
+    const dvec3 sway = glm::dot(glm::cross(turn_a, n), edge_a) * glm::cross(edge_b, n) + glm::dot(glm::cross(turn_b, n), edge_b) * glm::cross(n, edge_a);
+    constexpr double kMostSwing = 4.0;  // times the two rates
+    const double most = kMostSwing * (glm::length(turn_a) + glm::length(turn_b)) * std::abs(area);
+    return glm::dot(sway, sway) <= most * most && area != 0.0 ? glm::cross(n, sway) / area : turn_b;
+}
+
+/// @return a turn with which a plane may part the two for long: that of the features which their closest points lie on.
+/// @param closest  of the moment; it knows no features of curved shapes.
+dvec3 turn_with_features(const Moment& now, const DistanceCache& closest) noexcept {
+    const dvec3 &turn_a = now.pair.a.rotation, &turn_b = now.pair.b.rotation;
+    const Feature a(closest.a, closest.count), b(closest.b, closest.count);
+    if (a.count == 2 && b.count == 2) return turn_with_edges(now, a.edge(now.a), b.edge(now.b));
+    if (a.count == 0) return now.a.curved() ? turn_b : turn_a;
+    if (a.count > b.count) return turn_a;
+    return b.count > 1 ? turn_b : dvec3{0.0};
 }
 
 /// @return when the balls about the two pivots first come near; kNoContact where they never do.
@@ -108,7 +161,7 @@ Impact find_impact(const MovingPair& pair, const TimeOfImpactSettings& settings,
     while (t <= until) {
         ++impact.checks;
         const dvec3 between = pair.between + t * pair.along;
-        Moment now{pair, pair.a.core(t, dvec3{0.0}), pair.b.core(t, between), between, -pair.b.plane_normal};
+        Moment now{pair, pair.a.core(t, dvec3{0.0}), pair.b.core(t, between), between, -pair.b.plane_normal, 1.0 - t};
         dvec3 touch{0.0};
         double upper = 0.0;
         if (plane) {
@@ -126,7 +179,8 @@ Impact find_impact(const MovingPair& pair, const TimeOfImpactSettings& settings,
             touch = p.on_b + pair.b.radius * (length > 16.0 * rounding ? way / length : -now.normal);
             upper = p.upper - radii;
         }
-        const double free = now.normal == dvec3{0.0} ? 0.0 : now.gap(0.0, least);
+        const TurningPlane still(now, dvec3{0.0});
+        const double free = now.normal == dvec3{0.0} ? 0.0 : still.gap(0.0, least);
         impact.t = t;
         if (free > 0.0 && upper - separation > near) {
             if (impact.checks >= settings.most_checks) {
@@ -135,8 +189,13 @@ Impact find_impact(const MovingPair& pair, const TimeOfImpactSettings& settings,
             }
             // Up to a gap that counts as touching: where rounding hides the gap, the closest points cost three times as much.
             const double left = std::min(0.5 * near, 0.5 * free);
-            const double step = safe_step([&](double s) { return now.gap(s, least + left); }, free - left, 1.0 - t);
-            if (step >= 1.0 - t) break;
+            const auto safe = [&](const TurningPlane& between_them) {
+                return safe_step([&](double s) { return between_them.gap(s, least + left); }, free - left, now.rest);
+            };
+            const dvec3 turn = plane ? dvec3{0.0} : turn_with_features(now, cache != nullptr ? *cache : own);
+            double step = safe(turn == dvec3{0.0} ? still : TurningPlane(now, turn));
+            if (step < now.rest && turn != dvec3{0.0}) step = std::max(step, safe(still));
+            if (step >= now.rest) break;
             if (t + step > t) {
                 t += step;
                 continue;

@@ -8,8 +8,10 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <vector>
 
@@ -86,6 +88,30 @@ TEST(TimeOfImpact, NoPairMeetsBeforeIt) {
     EXPECT_GT(separated, 30);
     EXPECT_LT(clamped, 4);
     RecordProperty("checks", checks);
+}
+
+/// Neighbours in a falling crowd: near each other, both turning a little. A plane that stands creeps towards their contact.
+TEST(TimeOfImpact, NeighboursThatTurnTakeFewSteps) {
+    Random random(0xc10d);
+    int touching = 0, checks = 0, most = 0;
+    for (int i = 0; i < 36 * 20; ++i) {
+        const Shape a = any_shape(random, i), b = any_shape(random, i / 6);
+        RigidMotion ma{.start = {dvec3{0.0}, test::random_rotation(random)}}, mb{.start = {3.0 * test::random_direction(random), test::random_rotation(random)}};
+        const DistanceResult apart = distance(a, ma.start, b, mb.start);
+        mb.start.position -= (apart.lower - random.range(1e-4, 0.05)) * apart.normal;
+        ma.rotation = random.range(0.1, 0.5) * test::random_direction(random), mb.rotation = random.range(0.1, 0.5) * test::random_direction(random);
+        ma.translation = 0.1 * test::random_direction(random), mb.translation = 0.1 * test::random_direction(random);
+        const Impact impact = time_of_impact(a, ma, b, mb, {.tolerance = 1e-5, .most_checks = 1000});
+        ASSERT_EQ(fault(a, ma, b, mb, impact, 0.0, 2e-5), "") << i << " " << to_string(type_of(a)) << " " << to_string(type_of(b));
+        if (impact.status != ImpactStatus::Touching) continue;
+        ++touching;
+        checks += impact.checks;
+        most = std::max(most, impact.checks);
+    }
+    std::printf("steps to a contact between neighbours: mean %.2f, most %d of %d\n", static_cast<double>(checks) / touching, most, touching);
+    EXPECT_GT(touching, 150);
+    EXPECT_LT(checks, 6 * touching);
+    EXPECT_LT(most, 60);
 }
 
 TEST(TimeOfImpact, WithoutTurningItIsTheSweep) {
