@@ -40,6 +40,10 @@ public:
         corners_[count].corner = c;
         corners_[count++].corner.weight = weight;
     }
+    /// Moves the points of the difference.
+    void shift(const dvec3& by) noexcept {
+        for (int i = 0; i < count; ++i) corners_[i].corner.w += by;
+    }
     [[nodiscard]] dvec3 point() const noexcept {
         dvec3 sum{0.0};
         for (int i = 0; i < count; ++i) sum += (*this)[i].weight * (*this)[i].w;

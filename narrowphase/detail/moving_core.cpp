@@ -2,12 +2,14 @@
 
 #include <carom/core/math.hpp>
 #include <carom/narrowphase/detail/proximity.hpp>
+#include <carom/narrowphase/detail/slide_cores.hpp>
 #include <carom/narrowphase/detail/sweep_parts.hpp>
 
 #include <glm/geometric.hpp>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace carom::detail {
 namespace {
@@ -157,7 +159,17 @@ Impact find_impact(const MovingPair& pair, const TimeOfImpactSettings& settings,
     double t = plane ? 0.0 : balls_meet(pair, separation);
     Impact impact;
     DistanceCache own;
+    DistanceCache* const closest = cache != nullptr ? cache : &own;
     dvec3 last{0.0};
+    if (t <= until && !plane && pair.a.rotation == dvec3{0.0} && pair.b.rotation == dvec3{0.0}) {
+        const ConvexCore a = pair.a.core(t, dvec3{0.0}), b = pair.b.core(t, pair.between + t * pair.along);
+        if (!a.curved() && !b.curved()) {
+            const Slide slide = slide_cores({a, b, pair.along, t, until, least, near});
+            t = slide.passes ? std::numeric_limits<double>::infinity() : slide.t;
+            *closest = slide.closest;
+            ++impact.checks;
+        }
+    }
     while (t <= until) {
         ++impact.checks;
         const dvec3 between = pair.between + t * pair.along;
@@ -170,7 +182,7 @@ Impact find_impact(const MovingPair& pair, const TimeOfImpactSettings& settings,
         } else {
             const CorePair cores{now.a, now.b, pair.unit, rounding};
             // Points and normal of round shapes are right to the root of the tolerance.
-            const Proximity p = find_proximity(cores, {.tolerance = 1e-11}, cache != nullptr ? cache : &own);
+            const Proximity p = find_proximity(cores, {.tolerance = 1e-11}, closest);
             // Round shapes that all but touch have no closest points; what parted them last still may.
             now.normal = p.normal != dvec3{0.0} ? p.normal : last;
             last = now.normal;
@@ -192,7 +204,7 @@ Impact find_impact(const MovingPair& pair, const TimeOfImpactSettings& settings,
             const auto safe = [&](const TurningPlane& between_them) {
                 return safe_step([&](double s) { return between_them.gap(s, least + left); }, free - left, now.rest);
             };
-            const dvec3 turn = plane ? dvec3{0.0} : turn_with_features(now, cache != nullptr ? *cache : own);
+            const dvec3 turn = plane ? dvec3{0.0} : turn_with_features(now, *closest);
             double step = safe(turn == dvec3{0.0} ? still : TurningPlane(now, turn));
             if (step < now.rest && turn != dvec3{0.0}) step = std::max(step, safe(still));
             if (step >= now.rest) break;

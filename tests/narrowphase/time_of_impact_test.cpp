@@ -136,6 +136,26 @@ TEST(TimeOfImpact, WithoutTurningItIsTheSweep) {
     EXPECT_GT(touching, 40);
 }
 
+/// Contacts to the very end of the motion, and none for who asks for less.
+TEST(TimeOfImpact, WhatMeetsAtTheLastIsMet) {
+    Random random(0x1a57);
+    for (int i = 0; i < 36 * 8; ++i) {
+        const Shape a = any_shape(random, i), b = any_shape(random, i / 6);
+        const RigidMotion still{.start = {dvec3{0.0}, test::random_rotation(random)}};
+        RigidMotion comes{.start = {4.0 * test::random_direction(random), test::random_rotation(random)}};
+        const DistanceResult apart = distance(a, still.start, b, comes.start);
+        const double met = i % 4 == 0 ? 1.0 - 1e-6 : random.range(0.9, 1.0);
+        comes.translation = -(apart.lower / met) * apart.normal;  // along the distance, which the two points of it go
+        const Impact impact = time_of_impact(a, still, b, comes);
+        ASSERT_EQ(impact.status, ImpactStatus::Touching) << i << " " << to_string(type_of(a)) << " " << to_string(type_of(b));
+        EXPECT_LE(impact.t, met * (1.0 + 1e-12)) << i;
+        EXPECT_NEAR(impact.t, met, 1e-6) << i;
+        EXPECT_EQ(time_of_impact(a, still, b, comes, {.until = 0.99 * met}).status, ImpactStatus::Separated) << i;
+        comes.translation *= 0.999 * met;
+        EXPECT_EQ(time_of_impact(a, still, b, comes).status, ImpactStatus::Separated) << i;
+    }
+}
+
 /// A motion that ends where it began, turned by whole turns: only the way between hits.
 TEST(TimeOfImpact, ItFollowsTheScrewNotTheShortArc) {
     const Shape rod = Box{{1.0f, 0.001f, 0.001f}}, ball = Sphere{0.05f};
