@@ -38,6 +38,7 @@ MovingCore moving_core(const Shape& shape, const RigidMotion& m) noexcept {
     const detail::ConvexCore still = detail::core_of(shape, kIdentityRotation, dvec3{0.0}, 1.0);
     core.reach = (still.reach + glm::length(m.pivot)) * (1.0 + 0x1p-50);
     core.radius = still.radius;
+    if (core.reach == 0.0) core.rotation = dvec3{0.0};
     return core;
 }
 

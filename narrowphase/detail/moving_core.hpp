@@ -24,7 +24,7 @@ struct MovingCore {
     const Shape* shape = nullptr;              ///< or null, for
     const TrianglePoints* triangle = nullptr;  ///< this
     dquat start{kIdentityRotation};
-    dvec3 rotation{0.0};
+    dvec3 rotation{0.0};    ///< zero of a core that is one point at its pivot
     dvec3 pivot{0.0};       ///< in the shape's frame
     dvec3 foot{0.0};        ///< of a plane: a point of it, in its frame
     dvec3 plane_normal{0.0};  ///< of a plane, which does not turn: world axes, else zero
