@@ -92,22 +92,11 @@ dvec3 Impacts::meeting_velocity(const Bouncer& bouncer, const Point& point) cons
 }
 
 double Impacts::felt_mass(const Bouncer& bouncer, const Point& point, const dvec3& direction) const noexcept {
-    double inverse = 0.0;
-    for (const auto& [f, arm] : {std::pair{bouncer.a, point.arm_a}, std::pair{bouncer.b, point.arm_b}}) {
-        const Flyer& flyer = flyers_[f];
-        const dvec3 turning = glm::cross(arm, direction);
-        inverse += glm::dot(direction, flyer.inverse_mass * direction) + glm::dot(turning, flyer.inverse_inertia * turning);
-    }
-    return inverse > 0.0 ? 1.0 / inverse : 0.0;
+    return dynamics::felt_mass({flyers_[bouncer.a], point.arm_a}, {flyers_[bouncer.b], point.arm_b}, direction);
 }
 
 void Impacts::push(const Bouncer& bouncer, const Point& point, const dvec3& impulse) noexcept {
-    Flyer& a = flyers_[bouncer.a];
-    Flyer& b = flyers_[bouncer.b];
-    a.velocity -= a.inverse_mass * impulse;
-    a.spin -= a.inverse_inertia * glm::cross(point.arm_a, impulse);
-    b.velocity += b.inverse_mass * impulse;
-    b.spin += b.inverse_inertia * glm::cross(point.arm_b, impulse);
+    dynamics::push({flyers_[bouncer.a], point.arm_a}, {flyers_[bouncer.b], point.arm_b}, impulse);
 }
 
 template <class Visit>
@@ -129,7 +118,7 @@ void Impacts::reflect() {
         settled = true;
         for_each_active([&](Bouncer& bouncer, Point& point) {
             --budget_;
-            const double wanted = std::max(0.0, point.impulse - point.mass * approach(bouncer, point));
+            const double wanted = stopping_impulse(point.impulse, point.mass, approach(bouncer, point));
             const double change = wanted - point.impulse;
             settled &= std::abs(change) <= kSettledShare * fastest_ * point.mass;
             point.impulse = wanted;
@@ -162,15 +151,9 @@ void Impacts::reflect() {
 
 void Impacts::rub(const Bouncer& bouncer, const Point& point) noexcept {
     if (bouncer.friction == 0.0 || point.impulse == 0.0) return;
-    const Flyer& a = flyers_[bouncer.a];
-    const Flyer& b = flyers_[bouncer.b];
+    Flyer &a = flyers_[bouncer.a], &b = flyers_[bouncer.b];
     const dvec3 meeting = meeting_velocity(bouncer, point) + now_ * (b.pull - a.pull);
-    const dvec3 sliding = meeting - glm::dot(meeting, bouncer.normal) * bouncer.normal;
-    const double speed = glm::length(sliding);
-    if (!(speed > kStillShare * fastest_)) return;
-    const dvec3 direction = sliding / speed;
-    const double stop = felt_mass(bouncer, point, direction) * speed;
-    push(bouncer, point, -std::min(stop, bouncer.friction * point.impulse) * direction);
+    dynamics::rub({a, point.arm_a}, {b, point.arm_b}, bouncer.normal, meeting, bouncer.friction * point.impulse, kStillShare * fastest_);
 }
 
 // The paths go on from where the bodies are: as if they had come there at the new velocities.

@@ -8,6 +8,7 @@
 // x - t J/m. So an impact changes the velocity that the step begins with, and shifts the body at its end; the path in between is exact.
 #pragma once
 
+#include <carom/dynamics/detail/blow.hpp>
 #include <carom/dynamics/detail/contact_set.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
 
@@ -47,14 +48,11 @@ private:
     static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
     /// A body, on its way from the start of the step.
-    struct Flyer {
+    struct Flyer : BlowBody {
         std::uint32_t slot = 0;
         bool dynamic = false;
         bool held = false;  ///< by a contact that is the solver's
         dvec3 center{0.0};
-        dvec3 inverse_mass{0.0};
-        dmat3 inverse_inertia{0.0};
-        dvec3 velocity{0.0}, spin{0.0};
         dvec3 pull{0.0};             ///< acceleration: none where something supports it
         dvec3 shift{0.0}, turn{0.0}; ///< by impacts so far, as if at the start
         double last = 0.0;           ///< time of its last impact; negative: before the step [s]

@@ -11,44 +11,31 @@ namespace {
 constexpr int kMostSweeps = 2000;
 constexpr double kSettled = 1e-14;  // of the largest impulse
 
-dvec3 velocity_at(const Meeter& m, const dvec3& point) noexcept { return m.velocity + glm::cross(m.spin, point - m.centre); }
+dvec3 arm_of(const Meeter& m, const dvec3& point) noexcept { return point - m.centre; }
+dvec3 velocity_at(const Meeter& m, const dvec3& point) noexcept { return m.velocity + glm::cross(m.spin, arm_of(m, point)); }
 
 /// Of B against A.
-dvec3 meeting_velocity(const Meeting& meeting, const dvec3& point) noexcept { return velocity_at(meeting.b, point) - velocity_at(meeting.a, point); }
-double closing(const Meeting& meeting, const MeetingPoint& point) noexcept { return -glm::dot(point.normal, meeting_velocity(meeting, point.at)); }
+dvec3 meeting_velocity(const Meeting& meeting, const dvec3& point) noexcept {
+    return velocity_at(meeting.b, point) - velocity_at(meeting.a, point);
+}
+double closing(const Meeting& meeting, const MeetingPoint& point) noexcept {
+    return -glm::dot(point.normal, meeting_velocity(meeting, point.at));
+}
 
-void push(Meeter& m, const dvec3& point, const dvec3& impulse) noexcept {
-    m.velocity += m.inverse_mass * impulse;
-    m.spin += m.inverse_inertia * glm::cross(point - m.centre, impulse);
+Struck<BlowBody> struck(Meeter& m, const dvec3& point) noexcept { return {m, arm_of(m, point)}; }
+double mass_at(const Meeting& meeting, const MeetingPoint& p) noexcept {
+    return felt_mass({meeting.a, arm_of(meeting.a, p.at)}, {meeting.b, arm_of(meeting.b, p.at)}, p.normal);
 }
 void push(Meeting& meeting, const dvec3& point, const dvec3& impulse) noexcept {
-    push(meeting.a, point, -impulse);
-    push(meeting.b, point, impulse);
-}
-
-double inverse_mass_along(const Meeter& m, const dvec3& point, const dvec3& direction) noexcept {
-    const dvec3 turning = glm::cross(point - m.centre, direction);
-    return glm::dot(direction, m.inverse_mass * direction) + glm::dot(turning, m.inverse_inertia * turning);
-}
-/// What the two weigh along a direction at a point; 0 where nothing gives way.
-double felt_mass(const Meeting& meeting, const dvec3& point, const dvec3& direction) noexcept {
-    const double inverse = inverse_mass_along(meeting.a, point, direction) + inverse_mass_along(meeting.b, point, direction);
-    return inverse > 0.0 ? 1.0 / inverse : 0.0;
-}
-
-void rub(Meeting& meeting, const MeetingPoint& point) noexcept {
-    if (point.friction == 0.0 || point.impulse == 0.0) return;
-    const dvec3 between = meeting_velocity(meeting, point.at), sliding = between - glm::dot(between, point.normal) * point.normal;
-    const double speed = glm::length(sliding);
-    if (!(speed > 0.0)) return;
-    const dvec3 direction = sliding / speed;
-    push(meeting, point.at, -std::min(felt_mass(meeting, point.at, direction) * speed, point.friction * point.impulse) * direction);
+    push(struck(meeting.a, point), struck(meeting.b, point), impulse);
 }
 
 }  // namespace
 
 Meeter meeter_of(const BodyState& state, const BodyMass& mass, bool is_dynamic) noexcept {
-    Meeter m{.velocity = state.velocity, .spin = state.spin, .centre = state.pose.position};
+    Meeter m;
+    m.velocity = state.velocity, m.spin = state.spin;
+    m.centre = state.pose.position;
     if (!is_dynamic) return m;
     m.inverse_mass = mass.inverse_mass * free_moves(mass.locked);
     m.inverse_inertia = world_inverse_inertia(state, mass);
@@ -67,7 +54,7 @@ int Meeting::resolve() {
     for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
         double largest = 0.0, change = 0.0;
         for (MeetingPoint& p : points) {
-            const double impulse = std::max(0.0, p.impulse + felt_mass(*this, p.at, p.normal) * closing(*this, p));
+            const double impulse = stopping_impulse(p.impulse, mass_at(*this, p), -closing(*this, p));
             push(*this, p.at, (impulse - p.impulse) * p.normal);
             change = std::max(change, std::abs(impulse - p.impulse));
             largest = std::max(largest, impulse);
@@ -81,7 +68,10 @@ int Meeting::resolve() {
         p.impulse *= 1.0 + restitution;
         pushed += p.impulse > 0.0;
     }
-    for (const MeetingPoint& p : points) rub(*this, p);
+    for (const MeetingPoint& p : points) {
+        if (p.friction == 0.0 || p.impulse == 0.0) continue;
+        rub(struck(a, p.at), struck(b, p.at), p.normal, meeting_velocity(*this, p.at), p.friction * p.impulse, 0.0);
+    }
     return pushed;
 }
 

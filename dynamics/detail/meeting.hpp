@@ -6,6 +6,7 @@
 #pragma once
 
 #include <carom/core/pose.hpp>
+#include <carom/dynamics/detail/blow.hpp>
 #include <carom/dynamics/detail/body_state.hpp>
 
 #include <vector>
@@ -13,10 +14,7 @@
 namespace carom::dynamics {
 
 /// One of the two; without mass it goes on as before.
-struct Meeter {
-    dvec3 velocity{0.0}, spin{0.0};
-    dvec3 inverse_mass{0.0};
-    dmat3 inverse_inertia{0.0};
+struct Meeter : BlowBody {
     dvec3 centre{0.0};
 };
 [[nodiscard]] Meeter meeter_of(const BodyState& state, const BodyMass& mass, bool is_dynamic) noexcept;
@@ -28,7 +26,7 @@ struct MeetingPoint {
     double impulse = 0.0;  ///< [N s]
 };
 
-/// Two bodies at one time. The normal impulses are the least that stop every approach (projected Gauss-Seidel), times 1 + e, with one e for all:
+/// Two bodies at one time, by the law of blow.hpp. The normal impulses are the least that stop every approach (projected Gauss-Seidel), times 1 + e, with one e for all:
 /// the least of those points that approach, so that energy never grows (Newton's law; Smith et al. 2012, sec. 4). Friction follows each within its cone, against the
 /// sliding, at most to a stop. Linear and angular momentum are those of before, to rounding.
 struct Meeting {
