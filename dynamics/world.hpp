@@ -54,6 +54,8 @@ struct WorldDef {
     bool relax = true;                ///< the pass that takes out the energy of the push
     bool report_balance = false;      ///< fill StepReport::balance
     bool report_residual = false;     ///< fill StepReport::residual; costs one look at each body and contact
+    bool record_paths = false;        ///< keep how bodies moved in a step and what they met, for explain_sweep() and sweeps(); costs a copy of each body's
+                                      ///< state a step, and changes nothing else
     ContinuousSettings continuous{};  ///< on: what moves far in a step passes through nothing
     SleepSettings sleep{};            ///< off: every body is worked on in every step
 };
@@ -79,6 +81,9 @@ struct ContactView {
 };
 
 struct ContactExplanation;  // <carom/dynamics/explain.hpp>
+struct SweepExplanation;    // <carom/dynamics/explain_sweep.hpp>
+struct StepSweeps;
+struct Passage;
 struct ShapeCast;           // <carom/dynamics/world_cast.hpp>
 struct WorldImpact;
 
@@ -196,6 +201,21 @@ public:
     /// an empty one for a dead id, after the report. Cost: some µs for every two shapes, of meshes O(triangles), and what the broadphase
     /// takes to show its parts. Allocates; changes nothing.
     [[nodiscard]] ContactExplanation explain(BodyId a, BodyId b) const;
+
+    /// What became of two bodies on their way through the last step: whether they were followed, when they touched, and what let one pass through
+    /// the other. <carom/dynamics/explain_sweep.hpp> has the result. Misuse, and an empty result: a dead id, and a world without
+    /// WorldDef::record_paths. Cost: O(bodies), and for every two shapes some 40 times of impact along their paths; of one-sided meshes that come
+    /// near O(triangles log triangles). Allocates; changes nothing.
+    [[nodiscard]] SweepExplanation explain_sweep(BodyId a, BodyId b) const;
+    /// Its passage alone, for a look at every step. Cost: two or three searches for every two shapes.
+    [[nodiscard]] std::optional<Passage> passage(BodyId a, BodyId b) const;
+    /// The bodies that were followed in the last step, what they met, and when; empty where nothing was followed. Misuse as of explain_sweep().
+    /// Cost: a search anew for each impact.
+    [[nodiscard]] StepSweeps sweeps() const;
+    /// Where a body's origin was in the last step. @param t  within 0 .. 1 of the step: 0 at its start, 1 where it left the body; later calls
+    /// that move it do not count. Misuse as of explain_sweep(), and a t out of range; then, and for what the step did not know, the pose that
+    /// the body has.
+    [[nodiscard]] Pose pose_within_step(BodyId body, double t) const;
 
     /// First hit over all shapes but those of quarantined bodies; ties go to the body created first. Linear in the number of shapes
     /// in this version.

@@ -37,7 +37,7 @@ Balance operator-(const Balance& after, const Balance& before) {
 
 // Moves every body that no contact and no joint holds, and the kinematic ones, over the whole step at once.
 void World::Impl::integrate_free_bodies(bool looked, double dt) {
-    const bool follows = looked && def.continuous.enabled;
+    const bool follows = looked && (def.continuous.enabled || def.record_paths);
     if (follows) continuous.prepare(arrays.states.size());
     executor().parallel_for(arrays.roles.size(), kBodyGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t slot = begin; slot < end; ++slot) {
@@ -57,8 +57,14 @@ void World::Impl::follow(dynamics::Step& step, double dt) {
     const auto motion = [&](std::uint32_t slot) { return free_motion(slot); };
     const auto parted = [&](std::uint32_t a, std::uint32_t b) { return joints.parts_any() && joints.parts(a, b); };
     const auto wake_slot = [&](std::uint32_t slot) { sleepers.wake(slot, arrays); };
+    const dynamics::ContinuousScene scene{proxies, broadphase, arrays, dt, start, motion, parted, wake_slot};
+    if (def.record_paths) {
+        continuous.record(scene, paths);
+        paths.ids.assign(arrays.roles.size(), BodyId{});
+        for (const BodyId id : body_order) paths.ids[id.slot] = id;
+    }
+    if (!def.continuous.enabled) return;
     step.run(Stage::Continuous, [&] {
-        const dynamics::ContinuousScene scene{proxies, broadphase, arrays, dt, start, motion, parted, wake_slot};
         if (continuous.look(scene)) continuous.run(scene);
     });
     step.report.continuous = continuous.counts();
@@ -227,7 +233,8 @@ StepReport World::step(double dt) {
     }
     step.run(Stage::Positions, [&] { w.integrate_free_bodies(choices.contacts, dt); });
     if (choices.contacts && choices.restitution) step.run(Stage::Restitution, [&] { w.impacts.place(w.arrays); });
-    if (choices.continuous) w.follow(step, dt);
+    w.paths.is_there = false;
+    if (choices.continuous || (choices.contacts && w.def.record_paths)) w.follow(step, dt);
     if (w.def.report_residual) step.report.residual = w.residual.measure(w.contacts, w.proxies, w.arrays, {w.def.gravity, dt, w.def.substeps}, w.joint_solver.jointed());
     w.forget_pushes();
     step.run(Stage::Quarantine, [&] { w.quarantine_unusable(dt, step.report); });

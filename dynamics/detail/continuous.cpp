@@ -58,28 +58,75 @@ bool Continuous::has_plane(const ContinuousScene& scene, std::uint32_t slot) con
                        [&](std::uint32_t proxy) { return scene.proxies.kinds[proxy] == ProxyKind::Plane; });
 }
 
+double Continuous::way_of(const ContinuousScene& scene, std::uint32_t slot) const {
+    const BodyState& state = scene.bodies.states[slot];
+    const double reach = scene.bodies.roles[slot] == Role::Kinematic && has_plane(scene, slot) ? std::numeric_limits<double>::max() : sizes_[slot].reach;
+    const double motion = motion_of(scene.start(slot), state, reach, scene.dt);
+    if (departures_[slot].step != step_) return motion;
+    const BodyState& start = departures_[slot].start;  // there and back is far too
+    const double way = std::max(glm::length(start.velocity), glm::length(state.velocity)) * scene.dt;
+    return std::max(motion, way + reach * std::min(glm::length(start.spin) * scene.dt, 2.0));
+}
+
 // What is kinematic may be as large as it likes: it is fast where a small body could be passed over.
+double Continuous::limit_of(const ContinuousScene& scene, std::uint32_t slot) const {
+    return settings_.motion * (scene.bodies.roles[slot] == Role::Kinematic ? smallest_ : sizes_[slot].extent);
+}
+
 bool Continuous::is_fast(const ContinuousScene& scene, std::uint32_t slot) const {
     const Role role = scene.bodies.roles[slot];
     const Continuity wish = continuity(slot);
     if (!moves(role) || wish == Continuity::Never || first_proxy_[slot] == first_proxy_[slot + 1]) return false;
     const BodySize& size = sizes_[slot];
-    const BodyState& state = scene.bodies.states[slot];
-    const bool flew = departures_[slot].step == step_;
-    if (role == Role::Dynamic && wish == Continuity::Automatic && !flew) {  // most bodies, without a root: (x + y)² <= 2 (x² + y²)
+    if (role == Role::Dynamic && wish == Continuity::Automatic && departures_[slot].step != step_) {  // most bodies, without a root: (x + y)² <= 2 (x² + y²)
+        const BodyState& state = scene.bodies.states[slot];
         const dvec3 way = state.pose.position - scene.start(slot).position;
         const double turn = size.reach * scene.dt, least = settings_.motion * size.extent;
         if (2.0 * (glm::dot(way, way) + turn * turn * glm::dot(state.spin, state.spin)) <= least * least) return false;
     }
-    const double reach = role == Role::Kinematic && has_plane(scene, slot) ? std::numeric_limits<double>::max() : size.reach;
-    double motion = motion_of(scene.start(slot), state, reach, scene.dt);
-    if (flew) {  // there and back is far too
-        const BodyState& start = departures_[slot].start;
-        const double way = std::max(glm::length(start.velocity), glm::length(state.velocity)) * scene.dt;
-        motion = std::max(motion, way + reach * std::min(glm::length(start.spin) * scene.dt, 2.0));
+    const double motion = way_of(scene, slot);
+    return motion > (wish == Continuity::Always ? 0.0 : limit_of(scene, slot));
+}
+
+FollowFinding Continuous::finding_of(const ContinuousScene& scene, std::uint32_t slot) const {
+    FollowFinding finding{.reason = Following::OutOfStep, .continuity = continuity(slot)};
+    const Role role = scene.bodies.roles[slot];
+    if (role == Role::Absent) return finding;
+    finding.flew = flies(scene, slot);
+    finding.reason = role == Role::Static ? Following::Static : role == Role::Asleep ? Following::Asleep : Following::NoShapes;
+    if (!moves(role) || first_proxy_[slot] == first_proxy_[slot + 1]) return finding;
+    finding.motion = way_of(scene, slot);
+    finding.limit = limit_of(scene, slot);
+    const bool fast = finding.motion > finding.limit, wanted = finding.continuity == Continuity::Always || fast;
+    finding.reason = finding.motion == 0.0 ? Following::Still
+                     : !wanted ? Following::Slow
+                     : !settings_.enabled ? Following::Off
+                     : finding.continuity == Continuity::Never ? Following::Never
+                                                               : Following::Followed;
+    return finding;
+}
+
+void Continuous::record(const ContinuousScene& scene, StepPaths& paths) {
+    if (!sizes_known_) list_bodies(scene);
+    paths.is_there = true;
+    paths.dt = scene.dt;
+    paths.sizes = sizes_;
+    paths.legs.clear(), paths.impacts.clear(), paths.deep.clear();
+    paths.bodies.clear();
+    for (std::uint32_t slot = 0; slot < scene.bodies.roles.size(); ++slot) {
+        BodyStep& body = paths.bodies.emplace_back();
+        body.role = scene.bodies.roles[slot];
+        body.follow.reason = Following::OutOfStep;
+        if (body.role == Role::Absent || !is_usable(scene.bodies.states[slot], scene.dt)) continue;
+        body.moved = scene.bodies.states[slot];
+        body.start = body.moved;
+        body.start.pose = moves(body.role) ? scene.start(slot) : body.moved.pose;
+        body.flies = flies(scene, slot);
+        if (body.flies) body.start = departures_[slot].start;
+        body.motion = scene.free_motion(slot);
+        body.follow = finding_of(scene, slot);
     }
-    if (wish == Continuity::Always) return motion > 0.0;
-    return motion > settings_.motion * (role == Role::Kinematic ? smallest_ : size.extent);
+    paths_ = &paths;
 }
 
 bool Continuous::look(const ContinuousScene& scene) {
@@ -136,15 +183,23 @@ BodyState Continuous::state_at(const ContinuousScene& scene, const Mover& mover,
     return state;
 }
 
+// Bodies that bounced have been moved since.
+bool Continuous::flies(const ContinuousScene& scene, std::uint32_t slot) const {
+    const Departure& departure = departures_[slot];
+    return departure.step == step_ && moves(scene.bodies.roles[slot]) && departure.end == scene.bodies.states[slot].pose.position;
+}
+
+PathSettings path_settings(const BodySize& size, double dt) {
+    const double extent = size.extent < std::numeric_limits<double>::infinity() ? size.extent : size.reach;
+    return {dt, size.reach, std::max(kBendShare * extent, kReachShare * size.reach)};
+}
+
 void Continuous::lay_path(const ContinuousScene& scene, Mover& mover) const {
     const BodyState& now = scene.bodies.states[mover.slot];
-    const BodySize& size = sizes_[mover.slot];
     if (mover.stopped) {
         mover.path.go({.begin = mover.since, .start = mover.flight.start.pose});
     } else if (mover.flies) {
-        const double extent = size.extent < std::numeric_limits<double>::infinity() ? size.extent : size.reach;
-        const double most_bend = std::max(kBendShare * extent, kReachShare * size.reach);
-        mover.path.fly(mover.flight, scene.bodies.masses[mover.slot], mover.since, {scene.dt, size.reach, most_bend});
+        mover.path.fly(mover.flight, scene.bodies.masses[mover.slot], mover.since, path_settings(sizes_[mover.slot], scene.dt));
     } else if (moves(scene.bodies.roles[mover.slot])) {
         mover.path.go(chord(scene.start(mover.slot), now.pose, scene.dt * now.spin));
     } else {
@@ -162,11 +217,9 @@ std::uint32_t Continuous::mover_of(const ContinuousScene& scene, std::uint32_t s
     mover = Mover();
     mover.slot = slot;
     mover.path = std::move(path);
-    const Departure& departure = departures_[slot];
-    // Bodies that bounced have been moved since.
-    if (departure.step == step_ && moves(scene.bodies.roles[slot]) && departure.end == scene.bodies.states[slot].pose.position) {
+    if (flies(scene, slot)) {
         mover.flies = true;
-        mover.flight = {departure.start, scene.free_motion(slot)};
+        mover.flight = {departures_[slot].start, scene.free_motion(slot)};
     }
     lay_path(scene, mover);
     return number;

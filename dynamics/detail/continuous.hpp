@@ -18,7 +18,9 @@
 #include <carom/dynamics/detail/body_sizes.hpp>
 #include <carom/dynamics/detail/first_touch.hpp>
 #include <carom/dynamics/detail/meeting.hpp>
+#include <carom/dynamics/detail/path_touch.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
+#include <carom/dynamics/detail/step_paths.hpp>
 #include <carom/dynamics/step_report.hpp>
 #include <carom/narrowphase/collide.hpp>
 
@@ -43,6 +45,19 @@ struct ContinuousScene {
     FunctionRef<void(std::uint32_t slot)> wake;
 };
 
+/// Shapes, by their proxies; A has mass, if any of the two has.
+struct SweptPair {
+    std::uint32_t a = 0, b = 0;
+};
+/// @return the two in the order in which they are looked at: A is what is thinned. Of two with mass that is the thicker one, of which more is
+/// left, but a mesh only if both are.
+[[nodiscard]] SweptPair swept_order(const ProxySet& proxies, const std::vector<Role>& roles, std::uint32_t p, std::uint32_t q);
+/// @return the smallest extent of the smaller one [m].
+[[nodiscard]] double swept_size(const ProxySet& proxies, const SweptPair& pair);
+/// @return how finely the path of a body is cut.
+[[nodiscard]] PathSettings path_settings(const BodySize& size, double dt);
+inline constexpr double kSweepToleranceShare = 1e-4;  // of the smallest extent: how near a search comes
+
 class Continuous {
 public:
     explicit Continuous(const ContinuousSettings& settings) : settings_(settings) {}
@@ -66,6 +81,11 @@ public:
     void run(const ContinuousScene& scene);
     [[nodiscard]] const ContinuousCounts& counts() const noexcept { return counts_; }
 
+    /// Writes down how the bodies of a step moved, before run(), which adds what they meet; needs no look().
+    void record(const ContinuousScene& scene, StepPaths& paths);
+    /// Whether the two came so little way against each other that neither's middle can have come to where the other was not near: as in a crowd that falls.
+    [[nodiscard]] bool keep_company(const ContinuousScene& scene, std::uint32_t slot_a, std::uint32_t slot_b) const;
+
 private:
     static constexpr std::uint32_t kNone = ~std::uint32_t{0};
 
@@ -83,14 +103,11 @@ private:
         bool flies = false;     ///< along `flight`; else along a chord, or not at all
         bool changed = false;   ///< by an impact
         bool stopped = false;   ///< where it had its last impact, until the step is over
-        int impacts = 0;        ///< in sixteenths
+        int impacts = 0;        ///< in sixteenths; a chord that is laid anew is none
         std::uint32_t version = 0;
         BodyPath path;
     };
-    /// Shapes, by their proxies; A has mass.
-    struct Pair {
-        std::uint32_t a = 0, b = 0;
-    };
+    using Pair = SweptPair;
     struct Event {
         double t = 0.0;
         Pair pair;
@@ -107,6 +124,12 @@ private:
 
     void list_bodies(const ContinuousScene& scene);
     [[nodiscard]] bool has_plane(const ContinuousScene& scene, std::uint32_t slot) const;
+    /// How far a point of a body may have come, and what is left to contacts [m].
+    [[nodiscard]] double way_of(const ContinuousScene& scene, std::uint32_t slot) const;
+    [[nodiscard]] double limit_of(const ContinuousScene& scene, std::uint32_t slot) const;
+    /// Whether it moves along the integrator's path.
+    [[nodiscard]] bool flies(const ContinuousScene& scene, std::uint32_t slot) const;
+    [[nodiscard]] FollowFinding finding_of(const ContinuousScene& scene, std::uint32_t slot) const;
     [[nodiscard]] bool is_fast(const ContinuousScene& scene, std::uint32_t slot) const;
     void list_strays(const ContinuousScene& scene);
     [[nodiscard]] bool strays(const ContinuousScene& scene, std::uint32_t proxy) const;
@@ -120,37 +143,25 @@ private:
     void for_each_near(const ContinuousScene& scene, const Mover& mover, std::uint32_t proxy, Ask ask, FunctionRef<void(std::uint32_t q)> visit);
     /// Pairs that the broadphase found for this step hold for who stayed in his boxes; who strayed asks anew.
     void search_from_start(const ContinuousScene& scene);
-    /// Whether the two came so little way against each other that neither's middle can have come to where the other was not near: as in a crowd that falls.
-    [[nodiscard]] bool keep_company(const ContinuousScene& scene, std::uint32_t slot_a, std::uint32_t slot_b) const;
-    /// The same of the rest of a step, by the velocities that the two have now.
+    /// keep_company() of the rest of a step, by the velocities that the two have now.
     [[nodiscard]] bool stay_together(const ContinuousScene& scene, std::uint32_t slot_a, std::uint32_t slot_b) const;
     [[nodiscard]] bool may_meet(const ContinuousScene& scene, std::uint32_t p, std::uint32_t q) const;
     /// @param skip  the slot of a body that is left out.
     void search_all(const ContinuousScene& scene, std::uint32_t mover, double from, std::uint32_t skip, Ask ask = Ask::Everybody);
     void search(const ContinuousScene& scene, const Pair& pair, double from, int level);
-    /// What a search is about.
-    struct Search {
-        std::uint32_t a = 0, b = 0;       ///< movers
-        const Proxy *proxy_a = nullptr, *proxy_b = nullptr;
-        MovingShape shape_a, shape_b;
-        int level = 0;
-        double from = 0.0;
-        double tolerance = 0.0;           ///< [m]
-        std::optional<Aabb> still;        ///< about B, where that does not move
-        double t = 1.0, bend = 0.0;       ///< what is found
-        Impact impact;
-    };
-    /// @param begin, end  within the pieces of the two numbers. @return whether they may touch there.
-    bool touch(Search& search, double begin, double end, std::uint32_t piece_a, std::uint32_t piece_b);
-    [[nodiscard]] Pair order(const ContinuousScene& scene, std::uint32_t p, std::uint32_t q) const;
-    /// @return the smallest extent of the smaller one [m].
-    [[nodiscard]] double size_of(const ContinuousScene& scene, const Pair& pair) const;
+    [[nodiscard]] Pair order(const ContinuousScene& scene, std::uint32_t p, std::uint32_t q) const {
+        return swept_order(scene.proxies, scene.bodies.roles, p, q);
+    }
+    [[nodiscard]] double size_of(const ContinuousScene& scene, const Pair& pair) const { return swept_size(scene.proxies, pair); }
     void search_deeper(const ContinuousScene& scene, const Pair& pair, double from, int level);
 
     void resolve(const ContinuousScene& scene, const Event& event);
     void find_points(const ContinuousScene& scene, const Event& event, const BodyState& a, const BodyState& b);
     void part(const ContinuousScene& scene, const Event& event, Pose& a, Pose& b) const;
-    void strike(const ContinuousScene& scene, std::uint32_t mover, double t, const BodyState& state, bool stop, int blow);
+    void strike(const ContinuousScene& scene, std::uint32_t mover, double t, const BodyState& state, StopCause stop, int blow);
+    void note_leg(std::uint32_t mover, double end);
+    void note_stop(const Mover& mover, double t, StopCause cause);
+    void note_impact(const ContinuousScene& scene, const Event& event, bool blow);
 
     ContinuousSettings settings_;
     ContinuousCounts counts_;
@@ -179,6 +190,7 @@ private:
     Meeting meeting_;
     std::vector<Manifold> manifolds_;
     Cores cores_;
+    StepPaths* paths_ = nullptr;               // null: nothing is written down
 };
 
 }  // namespace carom::dynamics

@@ -15,11 +15,9 @@ namespace {
 constexpr std::int64_t kLeastBudget = 1024, kBudgetPerBody = 64;     // impacts
 constexpr std::int64_t kLeastPairs = 16384, kPairsPerBody = 256;     // times of impact
 constexpr std::int64_t kLeastPieces = 65536, kPiecesPerBody = 1024;  // pieces of paths that are looked at for them
-constexpr int kPush = 1, kImpact = 16;    // what goes to a body's account: what is kinematic goes on, and must not find it standing still
+constexpr int kNoBlow = 0, kPush = 1, kImpact = 16;  // what goes to a body's account: what is kinematic goes on, and must not find it standing still
 constexpr double kOpening = 0.01;  // of the smallest extent, by which two that are struck while they touch are moved apart
 constexpr int kLevelOfContacts = 4;        // at which contacts of the solver are watched
-constexpr double kCoarse = 0.25;          // of the reach: pieces that bend more are split without a look
-constexpr double kToleranceShare = 1e-4;  // of the smallest extent: how near a search comes
 constexpr double kMarginShare = 1e-3;     // of the same: how far points of contact are looked for beyond that
 constexpr double kSlowShare = 0.01;       // of the same, in a step: slower is no impact
 
@@ -47,9 +45,12 @@ void Continuous::run(const ContinuousScene& scene) {
         events_.pop_back();
         resolve(scene, event);
     }
-    for (std::size_t i = 0; i < mover_count_; ++i) {
-        if (movers_[i].changed) scene.bodies.states[movers_[i].slot] = state_at(scene, movers_[i], 1.0);
+    for (std::uint32_t i = 0; i < mover_count_; ++i) {
+        if (!movers_[i].changed) continue;
+        scene.bodies.states[movers_[i].slot] = state_at(scene, movers_[i], 1.0);
+        note_leg(i, 1.0);
     }
+    paths_ = nullptr;
 }
 
 void Continuous::search_from_start(const ContinuousScene& scene) {
@@ -67,19 +68,18 @@ void Continuous::search_from_start(const ContinuousScene& scene) {
     for (const std::uint32_t slot : fast_) search_all(scene, mover_of(scene, slot), 0.0, kNone, asks(slot) ? Ask::Everybody : Ask::StraysOnly);
 }
 
-// A has mass; where both have, it is the thicker one, of which more is left when it is thinned, but a mesh only if both are.
-Continuous::Pair Continuous::order(const ContinuousScene& scene, std::uint32_t p, std::uint32_t q) const {
-    const auto mass = [&](std::uint32_t proxy) { return has_mass(scene.bodies.roles[scene.proxies.bodies[proxy]]); };
-    const auto mesh = [&](std::uint32_t proxy) { return type_of(scene.proxies.by_slot[proxy].shape) == ShapeType::TriangleMesh; };
-    const double size_p = scene.proxies.extents[p], size_q = scene.proxies.extents[q];
+SweptPair swept_order(const ProxySet& proxies, const std::vector<Role>& roles, std::uint32_t p, std::uint32_t q) {
+    const auto mass = [&](std::uint32_t proxy) { return has_mass(roles[proxies.bodies[proxy]]); };
+    const auto mesh = [&](std::uint32_t proxy) { return type_of(proxies.by_slot[proxy].shape) == ShapeType::TriangleMesh; };
+    const double size_p = proxies.extents[p], size_q = proxies.extents[q];
     const bool larger = size_q > size_p || (size_q == size_p && q < p);
     const bool swap = mass(p) != mass(q) ? mass(q) : mesh(p) != mesh(q) ? mesh(p) : larger;
-    return swap ? Pair{q, p} : Pair{p, q};
+    return swap ? SweptPair{q, p} : SweptPair{p, q};
 }
 
-double Continuous::size_of(const ContinuousScene& scene, const Pair& pair) const {
-    return std::min(scene.proxies.extents[pair.a], scene.proxies.kinds[pair.b] == ProxyKind::Plane ? std::numeric_limits<double>::infinity()
-                                                                                                  : scene.proxies.extents[pair.b]);
+double swept_size(const ProxySet& proxies, const SweptPair& pair) {
+    return std::min(proxies.extents[pair.a],
+                    proxies.kinds[pair.b] == ProxyKind::Plane ? std::numeric_limits<double>::infinity() : proxies.extents[pair.b]);
 }
 
 void Continuous::search_all(const ContinuousScene& scene, std::uint32_t number, double from, std::uint32_t skip, Ask ask) {
@@ -95,59 +95,26 @@ void Continuous::search_all(const ContinuousScene& scene, std::uint32_t number, 
     }
 }
 
-// As finely as it takes: a piece that may touch and bends too much is looked at by halves, the earlier first.
-bool Continuous::touch(Search& search, double begin, double end, std::uint32_t number_a, std::uint32_t number_b) {
-    BodyPath &path_a = movers_[search.a].path, &path_b = movers_[search.b].path;
-    const PathPiece a = cut(path_a.piece(number_a), begin, end), b = cut(path_b.piece(number_b), begin, end);
-    const Aabb box_b = search.still ? *search.still : box_of(b, search.proxy_b->reach);
-    if (!overlaps(box_of(a, search.proxy_a->reach), box_b)) return false;
-    const double bend = a.bend + b.bend;
-    if (--pieces_left_ < 0) budget_ = 0;
-    const bool split_a = path_a.can_split(number_a) && (a.bend >= b.bend || !path_b.can_split(number_b)), split_b = !split_a && path_b.can_split(number_b);
-    if (!(split_a || split_b) || bend < kCoarse * search.proxy_a->reach) {
-        search.shape_a.motion = shape_motion(a, search.proxy_a->local);
-        search.shape_b.motion = shape_motion(b, search.proxy_b->local);
-        const Impact impact = first_touch(search.shape_a, search.level, search.shape_b, {.separation = bend, .tolerance = search.tolerance}, cores_);
-        if (!may_touch(impact.status) || impact.status == ImpactStatus::Invalid) return false;  // a plane that turns: docs/continuous.md
-        if (!(split_a || split_b)) {
-            search.t = begin + impact.t * (end - begin);
-            search.impact = impact;
-            search.bend = bend;
-            if (impact.status == ImpactStatus::Overlapping && begin > search.from) {  // within the bend: which way is told by where they are going
-                const Impact closer = first_touch(search.shape_a, search.level, search.shape_b, {.tolerance = search.tolerance}, cores_);
-                search.impact.point = closer.point, search.impact.normal = closer.normal;
-            }
-            return true;
-        }
-        begin += impact.t * (end - begin);  // nothing before that
-    }
-    const auto [earlier, later] = split_a ? path_a.split(number_a) : path_b.split(number_b);
-    const double middle = (split_a ? path_a : path_b).piece(earlier).end;
-    const auto half = [&](double from, double to, std::uint32_t piece) {
-        return from < to && touch(search, from, to, split_a ? piece : number_a, split_a ? number_b : piece);
-    };
-    return half(begin, std::min(middle, end), earlier) || half(std::max(begin, middle), end, later);
-}
-
 void Continuous::search(const ContinuousScene& scene, const Pair& pair, double from, int level) {
-    Search search;
-    search.proxy_a = &scene.proxies.by_slot[pair.a], search.proxy_b = &scene.proxies.by_slot[pair.b];
-    search.a = mover_of(scene, search.proxy_a->body), search.b = mover_of(scene, search.proxy_b->body);
-    search.shape_a.shape = &search.proxy_a->shape;
-    search.shape_b.shape = &search.proxy_b->shape;
+    const Proxy &a = scene.proxies.by_slot[pair.a], &b = scene.proxies.by_slot[pair.b];
+    Mover &mover_a = movers_[mover_of(scene, a.body)], &mover_b = movers_[mover_of(scene, b.body)];
+    PathSearch search{.a = {&mover_a.path, &a.shape, &a.local, a.reach}, .b = {&mover_b.path, &b.shape, &b.local, b.reach}};
     search.level = level;
     search.from = from;
-    search.tolerance = kToleranceShare * size_of(scene, pair);
-    const Role role = scene.bodies.roles[search.proxy_b->body];
+    search.tolerance = kSweepToleranceShare * size_of(scene, pair);
+    const Role role = scene.bodies.roles[b.body];
     if (role == Role::Static || scene.proxies.kinds[pair.b] == ProxyKind::Plane) {
-        search.still = scene.proxies.kinds[pair.b] == ProxyKind::Plane ? kEverywhere : bounds(search.proxy_b->shape, scene.proxies.poses[pair.b]);
+        search.still = scene.proxies.kinds[pair.b] == ProxyKind::Plane ? kEverywhere : bounds(b.shape, scene.proxies.poses[pair.b]);
     }
     if (++counts_.pairs > most_pairs_) budget_ = 0;
-    if (!touch(search, from, 1.0, BodyPath::kWhole, BodyPath::kWhole)) return;
+    const bool met = touch(search, from, 1.0, cores_);
+    pieces_left_ -= search.pieces;
+    if (pieces_left_ < 0) budget_ = 0;
+    if (!met) return;
     counts_.clamped += search.impact.status == ImpactStatus::Clamped ? 1 : 0;
     // What touches from the start is the solver's.
     if (search.t == from && (from == 0.0 || level > 0)) return search_deeper(scene, pair, from, from == 0.0 ? std::max(level, kLevelOfContacts - 1) : level);
-    events_.push_back({search.t, pair, level, movers_[search.a].version, movers_[search.b].version, search.impact, search.bend});
+    events_.push_back({search.t, pair, level, mover_a.version, mover_b.version, search.impact, search.bend});
     std::push_heap(events_.begin(), events_.end(), Event::later);
 }
 
@@ -157,12 +124,13 @@ void Continuous::search_deeper(const ContinuousScene& scene, const Pair& pair, d
     if (level + 1 < kLevels) return search(scene, pair, from, level + 1);
     if (from == 0.0) {
         ++counts_.overlapping;
+        if (paths_ != nullptr) paths_->deep.push_back({pair.a, pair.b});
         return;
     }
     for (const std::uint32_t proxy : {pair.a, pair.b}) {
         const std::uint32_t slot = scene.proxies.bodies[proxy], number = mover_of_slot_[slot];
         if (!has_mass(scene.bodies.roles[slot]) || movers_[number].stopped) continue;
-        strike(scene, number, from, state_at(scene, movers_[number], from), true, kImpact);
+        strike(scene, number, from, state_at(scene, movers_[number], from), StopCause::Depth, kNoBlow);
         search_all(scene, number, from, kNone);
     }
 }
@@ -174,7 +142,7 @@ void Continuous::find_points(const ContinuousScene& scene, const Event& event, c
     meeting_.points.clear();
     if (event.level == 0) {
         const Pose pose_a = a.pose * proxy_a.local, pose_b = b.pose * proxy_b.local;
-        const double margin = event.bend + (kToleranceShare + kMarginShare) * size_of(scene, event.pair);
+        const double margin = event.bend + (kSweepToleranceShare + kMarginShare) * size_of(scene, event.pair);
         manifolds_.clear();
         collide({&proxy_a.shape, &proxy_b.shape, pose_a, pose_b, static_cast<float>(margin)}, 0, manifolds_);
         if (mesh && manifolds_.empty()) return;  // only its hull is there
@@ -205,10 +173,11 @@ void Continuous::resolve(const ContinuousScene& scene, const Event& event) {
     find_points(scene, event, state_a, state_b);
     meeting_.a = meeter_of(state_a, scene.bodies.masses[slot_a], true);
     meeting_.b = meeter_of(state_b, scene.bodies.masses[slot_b], b_gives_way);
-    bool stop = a.stopped || b.stopped;
+    bool stop = a.stopped || b.stopped, blow = false;
     if (meeting_.approaches(kSlowShare * size_of(scene, event.pair) / scene.dt)) {
         ++counts_.impacts;
         --budget_;
+        blow = true;
         meeting_.resolve();
         if (event.level > 0) {
             part(scene, event, state_a.pose, state_b.pose);
@@ -226,9 +195,12 @@ void Continuous::resolve(const ContinuousScene& scene, const Event& event) {
     }
     state_a.velocity = meeting_.a.velocity, state_a.spin = meeting_.a.spin;
     state_b.velocity = meeting_.b.velocity, state_b.spin = meeting_.b.spin;
-    const bool pushed = scene.bodies.roles[slot_b] == Role::Kinematic;
-    strike(scene, number_a, event.t, state_a, stop, pushed ? kPush : kImpact);
-    if (b_gives_way) strike(scene, number_b, event.t, state_b, stop, kImpact);
+    if (blow || stop) note_impact(scene, event, blow);
+    // A chord that is laid anew is no blow, and each is laid anew once.
+    const int to_a = !blow ? kNoBlow : scene.bodies.roles[slot_b] == Role::Kinematic ? kPush : kImpact;
+    const StopCause cause = stop ? StopCause::Partner : StopCause::None;
+    strike(scene, number_a, event.t, state_a, cause, to_a);
+    if (b_gives_way) strike(scene, number_b, event.t, state_b, cause, blow ? kImpact : kNoBlow);
     search_all(scene, number_a, event.t, kNone);
     if (b_gives_way) search_all(scene, number_b, event.t, slot_a);
 }
@@ -240,16 +212,17 @@ void Continuous::part(const ContinuousScene& scene, const Event& event, Pose& a,
     const BodyMass &mass_a = scene.bodies.masses[slot_a], &mass_b = scene.bodies.masses[slot_b];
     const bool b_gives_way = has_mass(scene.bodies.roles[slot_b]);
     const double share = b_gives_way ? mass_b.mass / (mass_a.mass + mass_b.mass) : 1.0;
-    const dvec3 apart = (event.bend + (kToleranceShare + kOpening) * size_of(scene, event.pair)) * meeting_.points.front().normal;
+    const dvec3 apart = (event.bend + (kSweepToleranceShare + kOpening) * size_of(scene, event.pair)) * meeting_.points.front().normal;
     a.position -= share * apart * free_moves(mass_a.locked);
     if (b_gives_way) b.position += (1.0 - share) * apart * free_moves(mass_b.locked);
 }
 
 // The rest of the step begins anew for a body that was struck, or whose chord would go on where its velocity does not. What the solver had moved
 // has had its share of gravity. What meets a body that is stopped stops as well.
-void Continuous::strike(const ContinuousScene& scene, std::uint32_t number, double t, const BodyState& state, bool stop, int blow) {
+void Continuous::strike(const ContinuousScene& scene, std::uint32_t number, double t, const BodyState& state, StopCause stop, int blow) {
     Mover& mover = movers_[number];
     if (scene.bodies.roles[mover.slot] == Role::Asleep) scene.wake(mover.slot);
+    if (!mover.stopped) note_leg(number, t);
     if (!mover.flies) mover.flight.motion = {.spin_tolerance = scene.free_motion(mover.slot).spin_tolerance};
     mover.flight.start = state;
     if (!mover.stopped) mover.since = t;
@@ -261,12 +234,46 @@ void Continuous::strike(const ContinuousScene& scene, std::uint32_t number, doub
         mover.flight.start.spin *= 0.99 * kMostTurn / turn;
         ++counts_.slowed;
     }
-    if (!mover.stopped && (stop || mover.impacts >= kImpact * settings_.most_impacts || budget_ <= 0)) {
+    const bool too_many = mover.impacts >= kImpact * settings_.most_impacts;
+    if (!mover.stopped && (stop != StopCause::None || too_many || budget_ <= 0)) {
         mover.stopped = true;
         ++counts_.stopped;
+        note_stop(mover, t, stop != StopCause::None ? stop : too_many ? StopCause::Impacts : StopCause::Budget);
     }
     lay_path(scene, mover);
     if (std::find(strays_.begin(), strays_.end(), mover.slot) == strays_.end()) strays_.push_back(mover.slot);
+}
+
+void Continuous::note_leg(std::uint32_t number, double end) {
+    if (paths_ == nullptr) return;
+    const Mover& mover = movers_[number];
+    paths_->legs.push_back({mover.slot, mover.since, end, mover.flies && !mover.stopped, mover.flight, mover.path.piece(BodyPath::kWhole)});
+}
+
+void Continuous::note_stop(const Mover& mover, double t, StopCause cause) {
+    if (paths_ == nullptr) return;
+    FollowFinding& follow = paths_->bodies[mover.slot].follow;
+    follow.stopped = cause;
+    follow.stopped_at = t;
+}
+
+void Continuous::note_impact(const ContinuousScene& scene, const Event& event, bool blow) {
+    if (paths_ == nullptr) return;
+    const std::uint32_t slot_a = scene.proxies.bodies[event.pair.a], slot_b = scene.proxies.bodies[event.pair.b];
+    PathImpact& impact = paths_->impacts.emplace_back();
+    impact.t = event.t;
+    impact.a = event.pair.a, impact.b = event.pair.b;
+    impact.id_a = scene.proxies.by_slot[impact.a].id, impact.id_b = scene.proxies.by_slot[impact.b].id;
+    impact.level = event.level;
+    impact.status = event.impact.status;
+    impact.margin = event.bend + kSweepToleranceShare * size_of(scene, event.pair);
+    if (!meeting_.points.empty()) impact.point = meeting_.points.front().at, impact.normal = meeting_.points.front().normal;
+    impact.blow = blow;
+    impact.pose_a = state_at(scene, movers_[mover_of_slot_[slot_a]], event.t).pose;
+    impact.pose_b = state_at(scene, movers_[mover_of_slot_[slot_b]], event.t).pose;
+    if (!blow) return;
+    ++paths_->bodies[slot_a].follow.impacts;
+    ++paths_->bodies[slot_b].follow.impacts;
 }
 
 }  // namespace carom::dynamics

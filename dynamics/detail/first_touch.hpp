@@ -15,7 +15,8 @@ namespace carom::dynamics {
 /// How much of a shape is asked for: 0 is the shape, and each further level is what is left of it when it is thinned from all sides by a larger share of its
 /// thickness, down to next to nothing. What is inside of a shape passes through nothing that the shape itself has not come as deep into.
 inline constexpr int kLevels = 8;
-inline constexpr double kRestOfLevel[kLevels]{1.0, 0.98, 0.95, 0.9, 0.8, 0.6, 0.3, 0.02};  ///< of the thickness
+inline constexpr int kMiddle = kLevels;  ///< deeper than what is watched: where that comes, something has been passed through
+inline constexpr double kRestOfLevel[kLevels + 1]{1.0, 0.98, 0.95, 0.9, 0.8, 0.6, 0.3, 0.02, 0.01};  ///< of the thickness
 
 /// Hulls that are made for the levels of hulls and meshes, kept between calls.
 class Cores {

@@ -17,6 +17,7 @@
 #include <carom/dynamics/detail/proxies.hpp>
 #include <carom/dynamics/detail/sleepers.hpp>
 #include <carom/dynamics/detail/step.hpp>
+#include <carom/dynamics/detail/step_paths.hpp>
 #include <carom/dynamics/world.hpp>
 #include <carom/narrowphase/collide.hpp>
 
@@ -100,6 +101,8 @@ struct StepChoices {
 
 struct World::Impl {
     explicit Impl(const WorldDef& settings);
+    struct SweepJudge;  // explain_sweep.cpp, as is
+    [[nodiscard]] SweepExplanation judge_sweep(BodyId a, BodyId b, bool brief) const;
 
     [[nodiscard]] Executor& executor() noexcept { return def.executor != nullptr ? *def.executor : serial; }
 
@@ -204,6 +207,7 @@ struct World::Impl {
     dynamics::ResidualMeter residual;  // empty unless WorldDef::report_residual
     dynamics::ContactSolver solver;
     dynamics::Continuous continuous;
+    dynamics::StepPaths paths;         // empty unless WorldDef::record_paths
     dynamics::Sleepers sleepers;
     std::vector<dynamics::BodyLink> sleep_links;  // of the joints
     dynamics::JointSet joints;
