@@ -122,6 +122,7 @@ Result<LoadedScene> SceneArguments::load() const {
     options.world.broadphase = broadphase;
     options.world.sleep.enabled = sleep;
     options.world.continuous.enabled = !discrete;
+    options.world.record_paths = record_paths;
     options.world.contact_method = contact_method;
     options.world.direct_sag = direct_sag.value_or(options.world.direct_sag);
     options.world.direct_budget = direct_budget.value_or(options.world.direct_budget);

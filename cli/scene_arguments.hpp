@@ -38,6 +38,7 @@ struct SceneArguments {
     int threads = 1;
     bool discrete = false;
     bool sleep = false;
+    bool record_paths = false;          ///< not an option: of commands that ask for paths
 
     void add_to(CLI::App& command);
     /// Checks the options and builds the scene. @return an error that names the option, or the place in the file.

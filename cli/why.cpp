@@ -1,11 +1,13 @@
-// carom why A B SCENE: why two bodies touch, or why not.
+// carom why A B SCENE: why two bodies touch, or why not, and where one passed through the other.
 #include <carom/cli/progress.hpp>
 #include <carom/cli/scene_arguments.hpp>
 #include <carom/cli/why_picture.hpp>
 #include <carom/cli/why_report.hpp>
+#include <carom/cli/why_sweep_report.hpp>
 
 #include <carom/core/output_file.hpp>
 #include <carom/dynamics/explain.hpp>
+#include <carom/dynamics/explain_sweep.hpp>
 
 #include <fmt/format.h>
 
@@ -15,6 +17,7 @@
 #include <optional>
 #include <string>
 #include <utility>
+#include <vector>
 
 namespace carom::cli {
 namespace {
@@ -42,7 +45,8 @@ Result<BodyId> find_body(const World& world, const std::string& text, const std:
     for (const BodyId body : world.bodies()) {
         highest = std::max(highest, body.slot);
         if (number ? body.slot != *number : world.name(body) != text) continue;
-        if (found) return Error{ErrorCode::InvalidArgument, fmt::format("more than one body is called \"{}\"; give its number", text), where};
+        if (found)
+            return Error{ErrorCode::InvalidArgument, fmt::format("more than one body is called \"{}\"; give its number", text), where};
         found = body;
     }
     if (found) return *found;
@@ -59,6 +63,25 @@ Result<std::pair<BodyId, BodyId>> find_bodies(const World& world, const WhyOptio
     if (!b) return b.error();
     if (*a == *b) return Error{ErrorCode::InvalidArgument, fmt::format("A and B are one body, number {}", a->slot), "B"};
     return std::pair(*a, *b);
+}
+
+// Runs the scene to the step in question. @return the passages of the two on the way there.
+std::vector<Passage> run_to(scenes::SceneRun& run, int step, const WhyOptions& options) {
+    std::vector<Passage> passages;
+    std::optional<std::pair<BodyId, BodyId>> bodies;
+    Progress progress(step);
+    for (int done = 0; done < step; ++done) {
+        run.before_step(done);
+        run.world.step(run.dt);
+        progress.show(done + 1);
+        if (!bodies || run.emitter) {  // which may yet create them
+            const auto found = find_bodies(run.world, options);
+            bodies = found ? std::optional(*found) : std::nullopt;
+        }
+        if (!bodies) continue;
+        if (std::optional<Passage> passage = run.world.passage(bodies->first, bodies->second)) passages.push_back(std::move(*passage));
+    }
+    return passages;
 }
 
 ExitCode why(const WhyOptions& options) {
@@ -78,30 +101,31 @@ ExitCode why(const WhyOptions& options) {
     if (options.json) {
         if (Status status = check_writable(*options.json); !status) return fail(ExitCode::BadInput, status.error());
     }
-    {
-        Progress progress(step);
-        for (int done = 0; done < step; ++done) {
-            run.before_step(done);
-            run.world.step(run.dt);
-            progress.show(done + 1);
-        }
-    }
+    const std::vector<Passage> passages = run_to(run, step, options);
     const Result<std::pair<BodyId, BodyId>> bodies = find_bodies(run.world, options);
     if (!bodies) return fail(ExitCode::BadInput, bodies.error());
     const ContactExplanation explanation = run.world.explain(bodies->first, bodies->second);
+    const SweepExplanation sweep = run.world.explain_sweep(bodies->first, bodies->second);
     if (Status status = draw_why(run, explanation, options.picture); !status) return fail(ExitCode::Failed, status.error());
     if (options.json) {
         nlohmann::ordered_json report{{"scene", run.name}};
         report.update(to_json(explanation, run.world));
+        report["sweep"] = to_json(sweep);
+        report["passages"] = to_json(passages);
+        for (const std::string& text : sweep.disagreements) report["disagreements"].push_back(text);
         if (Status status = write_text(*options.json, report.dump(2) + "\n"); !status) return fail(ExitCode::Failed, status.error());
     }
     if (options.json != "-") {
         const std::string head = fmt::format("{}, step {}: {} and {}\n\n", run.name, explanation.step,
                                              "A is " + body_text(run.world, bodies->first), "B is " + body_text(run.world, bodies->second));
-        if (Status status = write_text("-", head + to_text(explanation)); !status) return fail(ExitCode::Failed, status.error());
+        if (Status status = write_text("-", head + to_text(explanation, way_text(sweep, run.world)) + way_sentences(sweep, passages));
+            !status)
+            return fail(ExitCode::Failed, status.error());
     }
     ExitCode code = ExitCode::Ok;
-    for (const std::string& text : explanation.disagreements) code = fail(ExitCode::Failed, {ErrorCode::InvalidArgument, text, "disagreement"});
+    for (const auto* const texts : {&explanation.disagreements, &sweep.disagreements}) {
+        for (const std::string& text : *texts) code = fail(ExitCode::Failed, {ErrorCode::InvalidArgument, text, "disagreement"});
+    }
     return code;
 }
 
@@ -109,6 +133,7 @@ ExitCode why(const WhyOptions& options) {
 
 void add_why_command(CLI::App& app, Action& action) {
     auto options = std::make_shared<WhyOptions>();
+    options->scene.record_paths = true;
     CLI::App* command = app.add_subcommand("why", "Says why two bodies of a scene touch, or why not.");
     command->add_option("A", options->a, "a body's number, or its name")->required();
     command->add_option("B", options->b, "another one's")->required();

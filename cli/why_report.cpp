@@ -182,7 +182,7 @@ std::string body_text(const World& world, BodyId body) {
     return fmt::format("body {} ({}{}{})", body.slot, what, what.empty() ? "" : ", ", to_string(world.type(body)));
 }
 
-std::string to_text(const ContactExplanation& why) {
+std::string to_text(const ContactExplanation& why, const std::string& way) {
     std::string text;
     if (!why.pairs.empty()) {
         const ShapePairExplanation& pair = why.pairs[why.deciding];
@@ -196,7 +196,7 @@ std::string to_text(const ContactExplanation& why) {
                                              pair.found->least_separation));
         }
     }
-    return text + why.sentence + "\n";
+    return text + way + why.sentence + "\n";
 }
 
 nlohmann::ordered_json to_json(const ContactExplanation& why, const World& world) {

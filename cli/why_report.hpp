@@ -14,8 +14,8 @@ namespace carom::cli {
 /// @return "body 3 (crate, box, dynamic)": its number, its name where it has one, what shapes it has, and whether it moves.
 [[nodiscard]] std::string body_text(const World& world, BodyId body);
 
-/// @return a line for each rung of the deciding pair, and the sentence.
-[[nodiscard]] std::string to_text(const ContactExplanation& why);
+/// @return a line for each rung of the deciding pair, those of their way, and the sentence.
+[[nodiscard]] std::string to_text(const ContactExplanation& why, const std::string& way);
 
 /// @return the keys that docs/cli.md defines; what a pair did not reach is null.
 [[nodiscard]] nlohmann::ordered_json to_json(const ContactExplanation& why, const World& world);

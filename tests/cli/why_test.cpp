@@ -83,6 +83,104 @@ TEST(Why, AOneSidedMeshShowsItsBack) {
     EXPECT_EQ(report.at("pairs").at(0).at("contact").at("back_face"), true);
 }
 
+/// A ball at 100 m/s that comes to a thin wall in the third step, and a file of it.
+std::string shot_file(const TemporaryFolder& folder, const std::string& of_ball = "") {
+    return folder.write("shot.json", R"({"gravity": [0, 0, 0], "bodies": [
+        {"name": "wall", "type": "static", "shapes": [{"type": "box", "half_extents": [5, 5, 0.005]}]},
+        {"name": "shot", "position": [0, 0, -4.3], "linear_velocity": [0, 0, 100])" + of_ball + R"(,
+            "shapes": [{"type": "sphere", "radius": 0.05}]}]})");
+}
+
+TEST(Why, APassageIsNamedWithItsStepItsCauseAndItsRemedy) {
+    const TemporaryFolder folder;
+    const std::string file = shot_file(folder);
+    const Outcome later = carom({"why", "shot", "wall", file, "--steps", "6", "--no-continuous"});
+    EXPECT_EQ(later.code, 0) << later.err;
+    EXPECT_TRUE(has(later.out, "\nA passed through B in step 3, at t = 0.57")) << "the simple question, of a later step\n" << later.out;
+    EXPECT_TRUE(has(later.out, "because continuous collision is off")) << later.out;
+    EXPECT_TRUE(has(later.out, "leave out --no-continuous")) << later.out;
+    EXPECT_TRUE(later.out.ends_with("scene file)\n")) << "it is the last word\n" << later.out;
+    const Outcome then = carom({"why", "wall", "shot", file, "--steps", "6", "--step", "3", "--no-continuous"});
+    EXPECT_TRUE(has(then.out, "way of A    not followed: it is static")) << then.out;
+    EXPECT_TRUE(has(then.out, "way of B    not followed: continuous collision is off, though it came up to 1.66667 m, more than 0.05 m")) << then.out;
+    EXPECT_TRUE(has(then.out, "sweep       touching at t = 0.54")) << then.out;
+    EXPECT_TRUE(has(then.out, "\nB passed through A in step 3")) << then.out;
+    const Outcome before = carom({"why", "shot", "wall", file, "--steps", "6", "--step", "2", "--no-continuous"});
+    EXPECT_FALSE(has(before.out, "passed through")) << before.out;
+    EXPECT_TRUE(has(before.out, "sweep       separated all the way, by at least 0.9")) << before.out;
+}
+
+TEST(Why, WhatWasFollowedIsTold) {
+    const TemporaryFolder folder;
+    const std::string file = shot_file(folder);
+    const Outcome outcome = carom({"why", "shot", "wall", file, "--steps", "6", "--step", "3"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    EXPECT_TRUE(has(outcome.out, "way of A    followed: it came up to 1.66667 m, more than 0.05 m, by itself; 1 impact\n")) << outcome.out;
+    EXPECT_TRUE(has(outcome.out, "met         body 1 (shot) and body 0 (wall) at t = 0.54")) << outcome.out;
+    EXPECT_TRUE(has(outcome.out, "touching, within 1e-06 m, struck apart")) << outcome.out;
+    EXPECT_TRUE(has(outcome.out, "\nthey met at t = 0.54")) << outcome.out;
+    EXPECT_FALSE(has(outcome.out, "passed")) << outcome.out;
+    const std::string never = shot_file(folder, R"(, "continuity": "never")");
+    const Outcome passed = carom({"why", "shot", "wall", never, "--steps", "6"});
+    EXPECT_TRUE(has(passed.out, "A passed through B in step 3")) << passed.out;
+    EXPECT_TRUE(has(passed.out, "what would have caught it: Continuity::Automatic for A")) << passed.out;
+}
+
+TEST(Why, TheReportOfAWayHasEveryKey) {
+    const TemporaryFolder folder;
+    const std::string file = shot_file(folder);
+    const Outcome outcome = carom({"why", "shot", "wall", file, "--steps", "3", "--json", "-"});
+    ASSERT_EQ(outcome.code, 0) << outcome.err;
+    const Json json = Json::parse(outcome.out, nullptr, false);
+    ASSERT_TRUE(json.is_object()) << outcome.out;
+    EXPECT_TRUE(json.at("passages").empty());
+    const Json& sweep = json.at("sweep");
+    EXPECT_EQ(sweep.at("reason"), "watched");
+    EXPECT_TRUE(has(sweep.at("sentence"), "they met at t = "));
+    EXPECT_EQ(sweep.at("a").at("reason"), "followed");
+    EXPECT_EQ(sweep.at("a").at("continuity"), "automatic");
+    EXPECT_NEAR(sweep.at("a").at("motion").get<double>(), 100.0 / 60.0, 1e-9);
+    EXPECT_NEAR(sweep.at("a").at("limit").get<double>(), 0.05, 1e-8);
+    EXPECT_EQ(sweep.at("a").at("flew"), true);
+    EXPECT_EQ(sweep.at("a").at("impacts"), 1);
+    EXPECT_EQ(sweep.at("a").at("stopped"), "none");
+    EXPECT_TRUE(sweep.at("a").at("stopped_at").is_null());
+    EXPECT_EQ(sweep.at("b").at("reason"), "static");
+    const Json& pair = sweep.at("pairs").at(sweep.at("deciding").get<std::size_t>());
+    EXPECT_EQ(pair.at("status"), "touching");
+    EXPECT_NEAR(pair.at("t").get<double>(), 0.547, 1e-4);
+    EXPECT_GT(pair.at("margin").get<double>(), 0.0);
+    EXPECT_NEAR(pair.at("normal").at(2).get<double>(), 1.0, 1e-6);
+    EXPECT_EQ(pair.at("point").size(), 3u);
+    EXPECT_TRUE(pair.at("clearance").is_null());
+    EXPECT_EQ(pair.at("reason"), "watched");
+    EXPECT_EQ(pair.at("shape_a"), 1);
+    EXPECT_EQ(pair.at("shape_b"), 0);
+    const Json& impact = sweep.at("impacts").at(0);
+    EXPECT_EQ(impact.at("body_a"), 1);
+    EXPECT_EQ(impact.at("body_b"), 0);
+    EXPECT_EQ(impact.at("status"), "touching");
+    EXPECT_EQ(impact.at("blow"), true);
+    EXPECT_EQ(impact.at("watched"), 1.0);
+    EXPECT_TRUE(impact.at("advances").empty());
+    EXPECT_NEAR(impact.at("point").at(2).get<double>(), -0.005, 1e-5);
+
+    const Outcome off = carom({"why", "shot", "wall", file, "--steps", "6", "--no-continuous", "--json", "-"});
+    const Json report = Json::parse(off.out, nullptr, false);
+    ASSERT_TRUE(report.is_object()) << off.out;
+    ASSERT_EQ(report.at("passages").size(), 1u);
+    const Json& passage = report.at("passages").at(0);
+    EXPECT_EQ(passage.at("step"), 3);
+    EXPECT_EQ(passage.at("cause"), "off");
+    EXPECT_EQ(passage.at("through"), true);
+    EXPECT_LT(passage.at("touched").get<double>(), passage.at("t").get<double>());
+    EXPECT_TRUE(has(passage.at("remedy"), "enabled"));
+    EXPECT_TRUE(has(passage.at("sentence"), "A passed through B in step 3"));
+    EXPECT_EQ(report.at("sweep").at("reason"), "off") << "in the last step";
+    EXPECT_TRUE(report.at("sweep").at("pairs").at(0).at("t").is_null());
+    EXPECT_GT(report.at("sweep").at("pairs").at(0).at("clearance").get<double>(), 3.9);
+}
+
 TEST(Why, BodiesMayBeNamed) {
     const TemporaryFolder folder;
     const std::string file = folder.write("two.json", R"({"bodies": [
