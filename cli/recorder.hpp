@@ -18,6 +18,7 @@ struct RecorderOptions {
     std::string picture;  ///< path of a PNG; empty: none
     std::string vtk;      ///< folder of frames.pvd; empty: none
     bool broadphase = false;  ///< frames show what the broadphase keeps
+    bool sweeps = false;      ///< frames show what was followed; the world must record paths
 };
 
 class Recorder {

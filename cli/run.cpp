@@ -48,7 +48,8 @@ std::string files_written(const RunOptions& options) {
     return text;
 }
 
-ExitCode run(const RunOptions& options) {
+ExitCode run(RunOptions& options) {
+    options.scene.record_paths = options.recorder.sweeps;
     Result<LoadedScene> loaded = options.scene.load();
     if (!loaded) return fail(ExitCode::BadInput, loaded.error());
     scenes::SceneRun& scene = loaded->run;

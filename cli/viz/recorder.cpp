@@ -3,6 +3,7 @@
 #include <carom/viz/broadphase_layers.hpp>
 #include <carom/viz/make_debug_frame.hpp>
 #include <carom/viz/reveal.hpp>
+#include <carom/viz/sweep_layers.hpp>
 #include <carom/viz/vtk/picture.hpp>
 #include <carom/viz/vtk/vtp_series.hpp>
 
@@ -52,6 +53,7 @@ private:
         DebugFrame frame =
             make_debug_frame(run.world, {.layers = kAllLayers & ~layer_bit(Layer::Bvh), .segments = segments});
         if (options_.broadphase) append_broadphase_layers(frame, run.world);
+        if (options_.sweeps) append_sweep_layers(frame, run.world);
         frame.caption = fmt::format("{}, step {}, {:.2f} s", run.name, done, done * run.dt);
         return frame;
     }
@@ -80,6 +82,7 @@ void add_recorder_options(CLI::App& command, RecorderOptions& options) {
     command.add_option("--picture", options.picture, "draw the end of the run into this PNG file (needs a display)");
     command.add_option("--vtk", options.vtk, "write frames.pvd, which ParaView opens, into this folder");
     command.add_flag("--broadphase", options.broadphase, "show the broadphase's boxes, cells, axes and tree in pictures and frames");
+    command.add_flag("--sweeps", options.sweeps, "show what was followed in the step: swept volumes, impacts and the steps of advancement");
 }
 
 std::unique_ptr<Recorder> make_recorder(const RecorderOptions& options) {

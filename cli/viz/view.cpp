@@ -3,6 +3,7 @@
 
 #include <carom/viz/broadphase_layers.hpp>
 #include <carom/viz/make_debug_frame.hpp>
+#include <carom/viz/sweep_layers.hpp>
 #include <carom/viz/vtk/viewer.hpp>
 
 #include <fmt/format.h>
@@ -16,9 +17,11 @@ struct ViewOptions {
     SceneArguments scene;
     bool paused = false;
     bool broadphase = false;
+    bool sweeps = false;
 };
 
-ExitCode view(const ViewOptions& options) {
+ExitCode view(ViewOptions& options) {
+    options.scene.record_paths = options.sweeps;
     Result<LoadedScene> loaded = options.scene.load();
     if (!loaded) return fail(ExitCode::BadInput, loaded.error());
     scenes::SceneRun& run = loaded->run;
@@ -28,6 +31,7 @@ ExitCode view(const ViewOptions& options) {
             [&] {
                 DebugFrame frame = make_debug_frame(run.world);
                 if (options.broadphase) append_broadphase_layers(frame, run.world);
+                if (options.sweeps) append_sweep_layers(frame, run.world);
                 frame.caption = fmt::format("{}, step {}, {:.2f} s", run.name, done, done * run.dt);
                 return frame;
             },
@@ -52,6 +56,7 @@ void add_view_command(CLI::App& app, Action& action) {
     options->scene.add_to(*command);
     command->add_flag("--paused", options->paused, "wait for the space bar");
     command->add_flag("--broadphase", options->broadphase, "show the broadphase's boxes, cells, axes and tree");
+    command->add_flag("--sweeps", options->sweeps, "show what was followed in the step: swept volumes, impacts and the steps of advancement");
     command->callback([&action, options] { action = [options] { return view(*options); }; });
 }
 

@@ -4,6 +4,7 @@
 
 #include <carom/viz/camera.hpp>
 #include <carom/viz/contact_layers.hpp>
+#include <carom/viz/sweep_layers.hpp>
 #include <carom/viz/vtk/picture.hpp>
 #include <carom/viz/vtk/vtp_series.hpp>
 
@@ -54,6 +55,7 @@ Status draw_why(const scenes::SceneRun& run, const ContactExplanation& why, cons
     if (options.picture.empty() && options.vtk.empty()) return {};
     DebugFrame frame = make_contact_frame(run.world, why);
     if (frame.layers.empty()) return Error{ErrorCode::Empty, "there are no shapes to draw", "--picture"};
+    append_sweep_layers(frame, run.world, {.bodies = {why.body_a, why.body_b}});
     frame.caption = wrapped(fmt::format("{}, step {}: {}", run.name, why.step, why.sentence));
     if (!options.vtk.empty()) {
         VtpSeriesWriter series(options.vtk);
