@@ -15,6 +15,7 @@ endfunction()
 refuses("GROUP is required")
 refuses("no group is called \"stop\"" stop)
 refuses("no row of the group matches \"pile_sand\"" step pile_sand)
+refuses("no row of the group matches \"balls/turning\"" sweeps balls/turning)
 refuses("missing/rows.json: cannot be written" step --json ${FOLDER}/missing/rows.json)
 refuses("not expected" step --fast)
 
