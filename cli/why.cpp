@@ -106,7 +106,8 @@ ExitCode why(const WhyOptions& options) {
     if (!bodies) return fail(ExitCode::BadInput, bodies.error());
     const ContactExplanation explanation = run.world.explain(bodies->first, bodies->second);
     const SweepExplanation sweep = run.world.explain_sweep(bodies->first, bodies->second);
-    if (Status status = draw_why(run, explanation, options.picture); !status) return fail(ExitCode::Failed, status.error());
+    const std::string way = way_sentences(sweep, passages);
+    if (Status status = draw_why(run, explanation, way, options.picture); !status) return fail(ExitCode::Failed, status.error());
     if (options.json) {
         nlohmann::ordered_json report{{"scene", run.name}};
         report.update(to_json(explanation, run.world));
@@ -118,8 +119,7 @@ ExitCode why(const WhyOptions& options) {
     if (options.json != "-") {
         const std::string head = fmt::format("{}, step {}: {} and {}\n\n", run.name, explanation.step,
                                              "A is " + body_text(run.world, bodies->first), "B is " + body_text(run.world, bodies->second));
-        if (Status status = write_text("-", head + to_text(explanation, way_text(sweep, run.world)) + way_sentences(sweep, passages));
-            !status)
+        if (Status status = write_text("-", head + to_text(explanation, way_text(sweep, run.world)) + way); !status)
             return fail(ExitCode::Failed, status.error());
     }
     ExitCode code = ExitCode::Ok;

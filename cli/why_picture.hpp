@@ -23,8 +23,9 @@ struct WhyPictureOptions {
 /// Adds --picture and --vtk; nothing in builds without viz.
 void add_why_picture_options(CLI::App& command, WhyPictureOptions& options);
 
-/// Draws the two bodies as the last step saw them, with the axis, the simplex and the manifold between them, where that was asked for.
-[[nodiscard]] Status draw_why(const scenes::SceneRun& run, const ContactExplanation& why, const WhyPictureOptions& options);
+/// Draws the two bodies as the last step saw them, with the axis, the simplex and the manifold between them and where they were swept, where that was asked for.
+/// @param way  what the caption says beyond the explanation's sentence.
+[[nodiscard]] Status draw_why(const scenes::SceneRun& run, const ContactExplanation& why, const std::string& way, const WhyPictureOptions& options);
 
 /// Proves before anything runs that what was asked for can be written.
 [[nodiscard]] Status check_why_picture(const WhyPictureOptions& options);

@@ -247,7 +247,8 @@ StepSweeps World::sweeps() const {
             met |= leg.slot == id.slot;
             if (leg.slot == id.slot && leg.begin > sweep.times.back()) sweep.times.push_back(leg.begin);
         }
-        if (follow.reason != Following::Followed && !met) continue;
+        const bool fast = follow.reason == Following::Followed || follow.reason == Following::Never || follow.reason == Following::Off;
+        if (!fast && !met) continue;
         if (sweep.times.back() < 1.0) sweep.times.push_back(1.0);
         out.bodies.push_back(std::move(sweep));
     }

@@ -138,7 +138,7 @@ struct SweepExplanation {
     std::vector<std::string> disagreements{};
 };
 
-/// A body that was followed in the last step, or met by one that was.
+/// A body that was followed in the last step, met by one that was, or would have been followed if it might (Following::Off, Never).
 struct BodySweep {
     BodyId body{};
     FollowFinding follow{};

@@ -4,6 +4,7 @@
 #include <carom/core/math.hpp>
 #include <carom/viz/detail/focus.hpp>
 #include <carom/viz/layer.hpp>
+#include <carom/viz/sweep_layers.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -24,7 +25,9 @@ void collect(const DebugLayer& layer, std::vector<dvec3>& points) {
 
 std::vector<dvec3> points_of_interest(const DebugFrame& frame) {
     std::vector<dvec3> points;
-    if (const DebugLayer* shapes = frame.find(to_string(Layer::Shapes))) collect(*shapes, points);
+    for (const char* name : {to_string(Layer::Shapes), kSweepVolumes, kSweepGhosts}) {
+        if (const DebugLayer* layer = frame.find(name)) collect(*layer, points);
+    }
     if (points.empty()) {
         for (const DebugLayer& layer : frame.layers) collect(layer, points);
     }

@@ -27,7 +27,7 @@ struct CameraAngle {
     double margin = 0.08;          ///< of the picture left free on each side, in [0, 0.4]
 };
 
-/// Frames the layer "shapes" (what moves); where that is empty, whatever the frame has. Outliers (farther from the middle
+/// Frames the layer "shapes" (what moves) and those of sweeps; where these are empty, whatever the frame has. Outliers (farther from the middle
 /// than three times what nine tenths of the points are) are left out of view.
 /// @param aspect  width over height > 0.
 /// @return a camera that sees all but the outliers; the default camera for an empty frame.

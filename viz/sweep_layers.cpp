@@ -31,7 +31,8 @@ public:
     DebugLayer volumes, ghosts, steps;
 
     void paint_way(const BodySweep& sweep) {
-        if (!wants(sweep.body)) return;
+        const bool followed = sweep.follow.reason == Following::Followed || sweep.times.size() > 2;
+        if (!wants(sweep.body) || (!followed && settings_.bodies.empty())) return;
         const int copies = copies_of(sweep);
         std::vector<double> times = sweep.times;
         for (int k = 1; k + 1 < copies; ++k) times.push_back(static_cast<double>(k) / (copies - 1));

@@ -17,7 +17,7 @@ inline constexpr const char* kSweepGhosts = "sweep-ghosts";
 inline constexpr const char* kSweepSteps = "sweep-steps";
 
 struct SweepLayerSettings {
-    std::vector<BodyId> bodies{};  ///< whose ways are drawn, and what these met; empty: of all
+    std::vector<BodyId> bodies{};  ///< whose ways are drawn, and what these met, also where they were kept from being followed; empty: of all that were
     int most_copies = 24;          ///< of a body along its way, 2..256
     int segments = 12;             ///< of round shapes, see ShapeStyle
 };

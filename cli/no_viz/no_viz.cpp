@@ -13,7 +13,7 @@ void add_why_picture_options(CLI::App&, WhyPictureOptions&) {}
 
 Status check_why_picture(const WhyPictureOptions&) { return {}; }
 
-Status draw_why(const scenes::SceneRun&, const ContactExplanation&, const WhyPictureOptions&) { return {}; }
+Status draw_why(const scenes::SceneRun&, const ContactExplanation&, const std::string&, const WhyPictureOptions&) { return {}; }
 
 void add_view_command(CLI::App&, Action&) {}
 

@@ -34,8 +34,8 @@ std::string wrapped(const std::string& text) {
 }  // namespace
 
 void add_why_picture_options(CLI::App& command, WhyPictureOptions& options) {
-    CLI::Option* picture =
-        command.add_option("--picture", options.picture, "draw the two with axis, simplex and manifold into this PNG file (needs a display)");
+    CLI::Option* picture = command.add_option("--picture", options.picture,
+                                              "draw the two with axis, simplex and manifold into this PNG file (needs a display)");
     command.add_option("--size", options.size, "of the picture [pixels], WIDTHxHEIGHT")->needs(picture);
     command.add_option("--vtk", options.vtk, "write frames.pvd, which ParaView opens, into this folder: a layer for each of them");
 }
@@ -51,12 +51,13 @@ Status check_why_picture(const WhyPictureOptions& options) {
     return render_to_png({}, options.picture, {.width = 16, .height = 16, .camera = Camera{}});
 }
 
-Status draw_why(const scenes::SceneRun& run, const ContactExplanation& why, const WhyPictureOptions& options) {
+Status draw_why(const scenes::SceneRun& run, const ContactExplanation& why, const std::string& way, const WhyPictureOptions& options) {
     if (options.picture.empty() && options.vtk.empty()) return {};
     DebugFrame frame = make_contact_frame(run.world, why);
     if (frame.layers.empty()) return Error{ErrorCode::Empty, "there are no shapes to draw", "--picture"};
     append_sweep_layers(frame, run.world, {.bodies = {why.body_a, why.body_b}});
     frame.caption = wrapped(fmt::format("{}, step {}: {}", run.name, why.step, why.sentence));
+    if (!way.empty()) frame.caption += "\n" + wrapped(way.substr(0, way.find('\n')));
     if (!options.vtk.empty()) {
         VtpSeriesWriter series(options.vtk);
         if (Status status = series.add(frame, static_cast<double>(why.step) * run.dt); !status) return status;

@@ -1,6 +1,7 @@
 // The layers of sweeps: there where something was followed, where the step had it.
 #include <carom/core/check.hpp>
 #include <carom/dynamics/explain_sweep.hpp>
+#include <carom/viz/camera.hpp>
 #include <carom/viz/make_debug_frame.hpp>
 #include <carom/viz/sweep_layers.hpp>
 
@@ -66,6 +67,18 @@ TEST(SweepLayers, AShotHasItsVolumeAndItsImpact) {
     for (const DebugTriangle& t : ghosts.triangles) EXPECT_EQ(t.body, shot.ball) << "the wall stands where it stands";
 }
 
+TEST(SweepLayers, TheCameraSeesThem) {
+    const Shot shot;
+    DebugFrame frame = shot.frame();
+    const Camera camera = automatic_camera(frame, 1.6);
+    const dvec3 view = glm::normalize(camera.target - camera.position);
+    for (const dvec3 end : {dvec3{1e6, 0, -1.06}, dvec3{1e6, 0, -0.06}})
+        EXPECT_GT(glm::dot(glm::normalize(end - camera.position), view), std::cos(0.4)) << "half the picture's diagonal";
+    DebugLayer& far = frame.layers.emplace_back(DebugLayer{.name = "else"});
+    far.points.push_back({{900, 0, 0}, {}, {}});
+    EXPECT_EQ(automatic_camera(frame, 1.6).position, camera.position) << "and nothing else";
+}
+
 TEST(SweepLayers, CopiesAreAsManyAsTheWayIsLong) {
     const Shot shot;
     const auto copies = [&](int most) {
@@ -115,6 +128,23 @@ TEST(SweepLayers, WhereNothingIsFollowedThereAreNone) {
     world.step(kDt);
     append_sweep_layers(frame, world);
     EXPECT_TRUE(frame.layers.empty());
+}
+
+TEST(SweepLayers, WhatWasNotFollowedIsDrawnWhereItIsAskedFor) {
+    World world({.gravity = {0, 0, 0}, .record_paths = true, .continuous = {.enabled = false}});
+    const BodyId wall = world.create_body({.type = BodyType::Static}),
+                 ball = world.create_body({.position = {0, 0, -1.06}, .linear_velocity = {0, 0, 120}});
+    world.add_shape(wall, Box{{3, 3, 0.01f}});
+    world.add_shape(ball, Sphere{0.05f});
+    world.step(kDt);
+    DebugFrame all, asked;
+    append_sweep_layers(all, world);
+    EXPECT_TRUE(all.layers.empty());
+    append_sweep_layers(asked, world, {.bodies = {wall, ball}});
+    EXPECT_EQ(names(asked), (std::set<std::string>{kSweepVolumes}));
+    float farthest = -9.0f;
+    for (const DebugVertex& v : asked.find(kSweepVolumes)->vertices) farthest = std::max(farthest, v.position.z);
+    EXPECT_GT(farthest, 0.9f) << "through the wall";
 }
 
 TEST(SweepLayers, KinematicPlanesAreNotDrawn) {
