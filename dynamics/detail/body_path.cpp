@@ -8,7 +8,7 @@
 namespace carom::dynamics {
 namespace {
 
-constexpr int kMostHalvings = 12;
+constexpr int kMostHalvings = 14;
 constexpr double kNoAxis = 1e-12;       // below this sine of half an angle the axis is that of the spin
 
 dquat conjugate(const dquat& q) noexcept { return {q.w, -q.x, -q.y, -q.z}; }

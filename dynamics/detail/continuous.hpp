@@ -154,6 +154,7 @@ private:
     }
     [[nodiscard]] double size_of(const ContinuousScene& scene, const Pair& pair) const { return swept_size(scene.proxies, pair); }
     void search_deeper(const ContinuousScene& scene, const Pair& pair, double from, int level);
+    [[nodiscard]] bool overlap_at_start(const ContinuousScene& scene, const Pair& pair, int level);
 
     void resolve(const ContinuousScene& scene, const Event& event);
     void find_points(const ContinuousScene& scene, const Event& event, const BodyState& a, const BodyState& b);

@@ -118,11 +118,21 @@ void Continuous::search(const ContinuousScene& scene, const Pair& pair, double f
     std::push_heap(events_.begin(), events_.end(), Event::later);
 }
 
+// As the shapes are, whatever their paths may bend.
+bool Continuous::overlap_at_start(const ContinuousScene& scene, const Pair& pair, int level) {
+    const auto still = [&](std::uint32_t proxy) {
+        const Proxy& p = scene.proxies.by_slot[proxy];
+        const PathPiece whole = movers_[mover_of_slot_[p.body]].path.piece(BodyPath::kWhole);
+        return MovingShape{&p.shape, shape_motion(cut(whole, whole.begin, whole.begin), p.local)};
+    };
+    return first_touch(still(pair.a), level, still(pair.b), {}, cores_).status == ImpactStatus::Overlapping;
+}
+
 // What is so deep in each other that next to nothing of one is apart from the other is held by its contacts alone, if it was so from the start; what has
-// come there goes no farther.
+// come there goes no farther, nor what spins so fast that its path is not known better.
 void Continuous::search_deeper(const ContinuousScene& scene, const Pair& pair, double from, int level) {
     if (level + 1 < kLevels) return search(scene, pair, from, level + 1);
-    if (from == 0.0) {
+    if (from == 0.0 && overlap_at_start(scene, pair, level)) {
         ++counts_.overlapping;
         if (paths_ != nullptr) paths_->deep.push_back({pair.a, pair.b});
         return;

@@ -101,6 +101,25 @@ TEST(Shots, NoneOfAnyShapeGoesThroughAThinWall) {
     }
 }
 
+// Rods that a blow leaves beside the wall with 1e5 rad/s: by what their paths may bend in the next step they overlap it, though they do not.
+TEST(Shots, WhatSpinsTooFastToBeFollowedDoesNotGoThrough) {
+    EXPECT_EQ(count_tunnelled(60, 2, 1, 77 + 1786), 0);
+    EXPECT_EQ(count_tunnelled(60, 2, 2, 77 + 1794), 0);
+}
+
+// A needle whose path is known less well than it is thick, 10 micrometres before the wall: beyond the margin in which contacts are looked for.
+TEST(Shots, WhatIsNearerThanItsPathIsKnownStops) {
+    World world(kSpace);
+    world.add_shape(world.create_body({.type = BodyType::Static}), Box{{300.0f, 300.0f, 0.005f}});
+    const Capsule needle{5e-6f, 0.5f};
+    const double z = -static_cast<double>(0.005f) - static_cast<double>(needle.radius) - 1e-5;
+    const BodyId body = world.create_body({.position = {0.0, 0.0, z}, .linear_velocity = {0.0, 0.0, 1000.0}, .angular_velocity = {0.0, 1e3, 1.1e5}});
+    world.add_shape(body, needle);
+    const StepReport report = world.step(kDt);
+    EXPECT_LT(world.center_of_mass(body).z, 0.0);
+    EXPECT_EQ(report.continuous.stopped, 1u);
+}
+
 TEST(Shots, MostGoThroughWithoutContinuousCollision) {
     EXPECT_GT(count_tunnelled(60, 0, 0, 5, {.gravity = dvec3{0.0}, .continuous = {.enabled = false}}), 50);
 }
