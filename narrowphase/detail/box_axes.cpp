@@ -5,6 +5,7 @@
 
 #include <carom/core/lanes.hpp>
 #include <carom/narrowphase/detail/box_lanes.hpp>
+#include <carom/narrowphase/detail/narrow_lanes.hpp>
 #include <carom/narrowphase/detail/tolerances.hpp>
 
 #include <limits>
@@ -73,7 +74,8 @@ void find_axes(const BoxPairBundle& pair, BoxAxisBundle& out, int lane) {
             // square, which it is to 2e-7 only. So nothing cancels as the edges become parallel: every term below shrinks with its length
             // and is good to its own last digits.
             const Floats length_sq = r[i1][j] * r[i1][j] + r[i2][j] * r[i2][j];
-            const Floats reach_1 = abs(r[i1][j] * r[i2][j1] - r[i2][j] * r[i1][j1]), reach_2 = abs(r[i1][j] * r[i2][j2] - r[i2][j] * r[i1][j2]);
+            const Floats reach_1 = abs(r[i1][j] * r[i2][j1] - r[i2][j] * r[i1][j1]),
+                         reach_2 = abs(r[i1][j] * r[i2][j2] - r[i2][j] * r[i1][j2]);
             const Floats reach = (a[i1] * size[i2][j] + a[i2] * size[i1][j]) + (b[j1] * reach_1 + b[j2] * reach_2);
             const Floats along = abs(t[i2] * r[i1][j] - t[i1] * r[i2][j]);
             const Mask is_axis = length_sq > Floats(static_cast<float>(kParallelSine * kParallelSine));
@@ -85,9 +87,9 @@ void find_axes(const BoxPairBundle& pair, BoxAxisBundle& out, int lane) {
     store(select(best.apart, Ints(kApart), select(by_edge, best.edge_code, best.code)), out.code.lane + lane);
 }
 
-void FindAxes(std::span<const BoxPairBundle> pairs, std::span<BoxAxisBundle> axes) {
+void FindAxes(std::span<const BoxPairBundle> pairs, std::span<BoxAxisBundle> axes, int lanes) {
     for (std::size_t k = 0; k < pairs.size(); ++k) {
-        for (int lane = 0; lane < kBundleWidth; lane += kLanes) find_axes(pairs[k], axes[k], lane);
+        for (int lane = 0; lane < lanes; lane += kLanes) find_axes(pairs[k], axes[k], lane);
     }
 }
 
@@ -98,6 +100,9 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace carom::detail {
 HWY_EXPORT(FindAxes);
-void find_box_axes(std::span<const BoxPairBundle> pairs, std::span<BoxAxisBundle> axes) { HWY_DYNAMIC_DISPATCH(FindAxes)(pairs, axes); }
+void find_box_axes(std::span<const BoxPairBundle> pairs, std::span<BoxAxisBundle> axes, BoxLanes lanes) {
+    if (lanes == BoxLanes::First) return CAROM_NARROW_DISPATCH(FindAxes)(pairs, axes, 1);
+    HWY_DYNAMIC_DISPATCH(FindAxes)(pairs, axes, kBundleWidth);
+}
 }  // namespace carom::detail
 #endif

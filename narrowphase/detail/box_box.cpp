@@ -71,6 +71,12 @@ void place_unusual(const ShapePair& pair, BoxPairBundle& bundle, BoxWayBundle& w
     way.unit.lane[lane] = static_cast<float>(unit);
 }
 
+// The way of pairs that are as they are.
+void reset_way(BoxWayBundle& way) noexcept {
+    std::fill(std::begin(way.unit.lane), std::end(way.unit.lane), 1.0f);
+    for (FloatBundle& centre : way.centre) centre = {};
+}
+
 // Some pairs, on their way through the kernels.
 struct Pairs {
     std::array<BoxNumberBundle, kBundles> numbers{};
@@ -98,8 +104,7 @@ struct Pairs {
         std::array<std::uint32_t, kBundles> unusual{};
         place_boxes(lines, {numbers.data(), bundles()}, {pairs.data(), bundles()}, {unusual.data(), bundles()});
         for (std::size_t k = 0; k < bundles(); ++k) {
-            std::fill(std::begin(ways[k].unit.lane), std::end(ways[k].unit.lane), 1.0f);
-            for (FloatBundle& centre : ways[k].centre) centre = {};
+            reset_way(ways[k]);
             for (std::uint32_t left = unusual[k]; left != 0; left &= left - 1) {
                 const auto lane = static_cast<std::size_t>(std::countr_zero(left));
                 if (k * kBundleWidth + lane >= count) break;
@@ -181,8 +186,7 @@ Block& thread_block() {
     return block;
 }
 
-void collide_block(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, Block& work,
-                   ManifoldList& out) {
+void collide_block(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, Block& work, ManifoldList& out) {
     Pairs& all = work.all;
     Pairs& near = work.near;
     const std::span<const BoxLine> lines = work.add_pairs(input, chosen);
@@ -222,6 +226,37 @@ BoxLine box_line(const Box& box, const Pose& pose) noexcept {
     for (auto& row : line.position) row[3] = 0.0f;
     line.position[0][3] = far ? 1.0f : 0.0f;
     return line;
+}
+
+void box_box_single(const ShapePair& pair, std::uint32_t index, Workspace& workspace, ManifoldList& out) {
+    Block& work = thread_block();
+    BoxNumberBundle& numbers = work.all.numbers[0];
+    BoxPairBundle& placed = work.all.pairs[0];
+    BoxWayBundle& way = work.all.ways[0];
+    BoxAxisBundle& axis = work.all.axes[0];
+    const std::array<BoxLine, 2> lines{box_line(as<Box>(*pair.a), pair.pose_a), box_line(as<Box>(*pair.b), pair.pose_b)};
+    for (std::size_t lane = 0; lane < kBundleWidth; ++lane) {
+        numbers.a.lane[lane] = 0;
+        numbers.b.lane[lane] = 1;
+        numbers.margin.lane[lane] = pair.margin;
+        way.to.lane[lane] = kNoManifold;
+    }
+    way.pair.lane[0] = static_cast<std::int32_t>(index);
+    reset_way(way);
+    std::uint32_t unusual = 0;
+    place_boxes(lines, {&numbers, 1}, {&placed, 1}, {&unusual, 1}, BoxLanes::First);
+    if ((unusual & 1u) != 0) place_unusual(pair, placed, way, 0);
+    find_box_axes({&placed, 1}, {&axis, 1}, BoxLanes::First);
+    if (axis.code.lane[0] == kApart) return;
+    BoxPatchBundle& patch = work.patches[0];
+    build_box_patches({&placed, 1}, {&axis, 1}, {&patch, 1}, BoxLanes::First);
+    if (patch.count.lane[0] == 0) {
+        run_pair(pair, {box_box_alone, nullptr, false}, index, workspace, out);
+        return;
+    }
+    way.to.lane[0] = static_cast<std::int32_t>(out.size());
+    out.add_unwritten(1);
+    write_box_manifolds(lines, {&numbers, 1}, {&way, 1}, {&axis, 1}, {&patch, 1}, out.data(), BoxLanes::First);
 }
 
 void box_box(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, ManifoldList& out) {

@@ -33,6 +33,10 @@ struct alignas(32) BoxLine {
 /// @param numbers  of shapes that are boxes. @param places  where in `lines` each goes.
 void write_box_lines(const PlacedShapes& placed, std::span<const std::uint32_t> numbers, std::span<const std::uint32_t> places, std::span<BoxLine> lines);
 
+/// Which lanes of the bundles are worked on. A pair by itself, in the first lane, has the narrowest lanes for itself: fewer of them work for
+/// nothing, and the bits are the same. What is in the lanes beyond means nothing then.
+enum class BoxLanes { All, First };
+
 /// Which boxes sixteen pairs are of. Lanes without a pair repeat another.
 struct BoxNumberBundle {
     IntBundle a, b;  ///< lines
@@ -79,7 +83,7 @@ struct BoxPatchBundle {
     FloatBundle normal_b[3];  ///< the same along B's axes
     IntBundle face_a;         ///< axis of A's face that looks to B most
     IntBundle face_b;
-    IntBundle count;          ///< of points, 0..4
+    IntBundle count;  ///< of points, 0..4
     std::array<Point, 4> points;
 };
 
@@ -97,21 +101,23 @@ inline constexpr std::int32_t kNoManifold = std::numeric_limits<std::int32_t>::m
 /// differ by much, or are out of its range. What is written there means nothing.
 /// Accuracy: rotations within 2e-7, offsets within 3e-7 of their length.
 void place_boxes(std::span<const BoxLine> lines, std::span<const BoxNumberBundle> numbers, std::span<BoxPairBundle> pairs,
-                 std::span<std::uint32_t> unusual);
+                 std::span<std::uint32_t> unusual, BoxLanes lanes = BoxLanes::All);
 
 /// Names the points of patches and writes them as manifolds, in world axes about A's centre.
 void write_box_manifolds(std::span<const BoxLine> lines, std::span<const BoxNumberBundle> numbers, std::span<const BoxWayBundle> ways,
-                         std::span<const BoxAxisBundle> axes, std::span<const BoxPatchBundle> patches, Manifold* manifolds);
+                         std::span<const BoxAxisBundle> axes, std::span<const BoxPatchBundle> patches, Manifold* manifolds,
+                         BoxLanes lanes = BoxLanes::All);
 
 /// Method: Gottschalk, Lin, Manocha, OBBTree (1996), sec. 5, with normalised edge axes. An edge axis wins over the faces only where it is
 /// better by kWidePreference of the size.
 /// Accuracy: separations within 1e-6 of the larger box's longest edge.
-void find_box_axes(std::span<const BoxPairBundle> pairs, std::span<BoxAxisBundle> axes);
+void find_box_axes(std::span<const BoxPairBundle> pairs, std::span<BoxAxisBundle> axes, BoxLanes lanes = BoxLanes::All);
 
 /// The faces that look at each other most, cut against each other in the plane across the axis: both become parallelograms there, and
 /// in the coordinates of A's, a square against a parallelogram. Up to four points are kept, as reduce_points() does.
 /// Pairs must not be apart. A count of 0 means that the faces do not lie over each other within the margin: corner to corner or
 /// corner to edge, which only the distance decides.
-void build_box_patches(std::span<const BoxPairBundle> pairs, std::span<const BoxAxisBundle> axes, std::span<BoxPatchBundle> patches);
+void build_box_patches(std::span<const BoxPairBundle> pairs, std::span<const BoxAxisBundle> axes, std::span<BoxPatchBundle> patches,
+                       BoxLanes lanes = BoxLanes::All);
 
 }  // namespace carom::detail

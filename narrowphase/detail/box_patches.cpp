@@ -6,6 +6,7 @@
 #include <carom/core/lanes.hpp>
 #include <carom/narrowphase/detail/box_lanes.hpp>
 #include <carom/narrowphase/detail/box_reduce_lanes.hpp>
+#include <carom/narrowphase/detail/narrow_lanes.hpp>
 #include <carom/narrowphase/detail/tolerances.hpp>
 
 HWY_BEFORE_NAMESPACE();
@@ -96,12 +97,12 @@ HWY_INLINE Floats3 contact_normal(const Pair& p, Ints code, const EdgeAxis& edge
 /// A face of each box, seen along the normal. Coordinates (s, t) are those of A's face: it is the square of half side 1.
 struct Faces {
     Axis axis_a, axis_b;
-    Floats3 normal;               ///< in A's axes from its face's on, as all of this
-    Floats3 across_u, across_w;   ///< with the normal a right-handed basis; across_w has no component along A's axis p
-    Floats pu, qu, qw;            ///< A's half edges p = (pu, 0) and q = (qu, qw) in the basis
-    Floats height, height_p, height_q;        ///< of A's face along the normal: height + s height_p + t height_q
-    Floats cu, cw;                            ///< centre of A's face in the basis
-    Floats3 centre, edge_p, edge_q;           ///< of B's face: s, t and separation from A's
+    Floats3 normal;                     ///< in A's axes from its face's on, as all of this
+    Floats3 across_u, across_w;         ///< with the normal a right-handed basis; across_w has no component along A's axis p
+    Floats pu, qu, qw;                  ///< A's half edges p = (pu, 0) and q = (qu, qw) in the basis
+    Floats height, height_p, height_q;  ///< of A's face along the normal: height + s height_p + t height_q
+    Floats cu, cw;                      ///< centre of A's face in the basis
+    Floats3 centre, edge_p, edge_q;     ///< of B's face: s, t and separation from A's
 };
 
 HWY_INLINE Faces make_faces(const Pair& p, const Floats3& n, const Floats3& n_b) {
@@ -302,9 +303,9 @@ void build_patch(const BoxPairBundle& in, const BoxAxisBundle& axes, BoxPatchBun
     store(f.axis_b.number(), out.face_b.lane + lane);
 }
 
-void BuildPatches(std::span<const BoxPairBundle> pairs, std::span<const BoxAxisBundle> axes, std::span<BoxPatchBundle> patches) {
+void BuildPatches(std::span<const BoxPairBundle> pairs, std::span<const BoxAxisBundle> axes, std::span<BoxPatchBundle> patches, int lanes) {
     for (std::size_t k = 0; k < pairs.size(); ++k) {
-        for (int lane = 0; lane < kBundleWidth; lane += kLanes) build_patch(pairs[k], axes[k], patches[k], lane);
+        for (int lane = 0; lane < lanes; lane += kLanes) build_patch(pairs[k], axes[k], patches[k], lane);
     }
 }
 
@@ -315,8 +316,10 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace carom::detail {
 HWY_EXPORT(BuildPatches);
-void build_box_patches(std::span<const BoxPairBundle> pairs, std::span<const BoxAxisBundle> axes, std::span<BoxPatchBundle> patches) {
-    HWY_DYNAMIC_DISPATCH(BuildPatches)(pairs, axes, patches);
+void build_box_patches(std::span<const BoxPairBundle> pairs, std::span<const BoxAxisBundle> axes, std::span<BoxPatchBundle> patches,
+                       BoxLanes lanes) {
+    if (lanes == BoxLanes::First) return CAROM_NARROW_DISPATCH(BuildPatches)(pairs, axes, patches, 1);
+    HWY_DYNAMIC_DISPATCH(BuildPatches)(pairs, axes, patches, kBundleWidth);
 }
 }  // namespace carom::detail
 #endif

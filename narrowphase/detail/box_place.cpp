@@ -7,6 +7,7 @@
 #include <carom/core/lanes.hpp>
 #include <carom/narrowphase/detail/box_lanes.hpp>
 #include <carom/narrowphase/detail/box_names.hpp>
+#include <carom/narrowphase/detail/narrow_lanes.hpp>
 #include <carom/narrowphase/detail/tolerances.hpp>
 
 #include <cstddef>
@@ -60,7 +61,7 @@ HWY_INLINE Floats3 between(const float* lines, const std::int32_t* a, const std:
         gather_rows(lines, b, kLineStride, 12 + 4 * k, bx[k], by[k], bz[k], b_rest);
         unusual = unusual | (a_rest + b_rest > zero);
     }
-    const auto difference = [](const Floats (&from)[3], const Floats (&to)[3]) {
+    const auto difference = [](const Floats(&from)[3], const Floats(&to)[3]) {
         const Rounded large = sum_of(to[0], -from[0]), middle = sum_of(to[1], -from[1]);
         const Rounded sum = sum_of(large.value, middle.value);
         return sum.value + ((sum.error + (large.error + middle.error)) + (to[2] - from[2]));
@@ -91,11 +92,11 @@ unsigned place_lanes(const float* lines, const BoxNumberBundle& numbers, BoxPair
 }
 
 void PlaceBoxes(std::span<const BoxLine> lines, std::span<const BoxNumberBundle> numbers, std::span<BoxPairBundle> pairs,
-                std::span<std::uint32_t> unusual) {
+                std::span<std::uint32_t> unusual, int lanes) {
     const float* const rows = lines.data()->axis[0];
     for (std::size_t k = 0; k < pairs.size(); ++k) {
         unusual[k] = 0;
-        for (int lane = 0; lane < kBundleWidth; lane += kLanes) unusual[k] |= place_lanes(rows, numbers[k], pairs[k], lane) << lane;
+        for (int lane = 0; lane < lanes; lane += kLanes) unusual[k] |= place_lanes(rows, numbers[k], pairs[k], lane) << lane;
     }
 }
 
@@ -207,10 +208,10 @@ void write_lanes(const float* lines, const BoxNumberBundle& numbers, const BoxWa
 }
 
 void WriteManifolds(std::span<const BoxLine> lines, std::span<const BoxNumberBundle> numbers, std::span<const BoxWayBundle> ways,
-                    std::span<const BoxAxisBundle> axes, std::span<const BoxPatchBundle> patches, Manifold* manifolds) {
+                    std::span<const BoxAxisBundle> axes, std::span<const BoxPatchBundle> patches, Manifold* manifolds, int lanes) {
     const float* const rows = lines.data()->axis[0];
     for (std::size_t k = 0; k < patches.size(); ++k) {
-        for (int lane = 0; lane < kBundleWidth; lane += kLanes) {
+        for (int lane = 0; lane < lanes; lane += kLanes) {
             write_lanes(rows, numbers[k], ways[k], axes[k], patches[k], reinterpret_cast<float*>(manifolds), lane);
         }
     }
@@ -226,13 +227,16 @@ HWY_EXPORT(PlaceBoxes);
 HWY_EXPORT(WriteManifolds);
 
 void place_boxes(std::span<const BoxLine> lines, std::span<const BoxNumberBundle> numbers, std::span<BoxPairBundle> pairs,
-                 std::span<std::uint32_t> unusual) {
-    HWY_DYNAMIC_DISPATCH(PlaceBoxes)(lines, numbers, pairs, unusual);
+                 std::span<std::uint32_t> unusual, BoxLanes lanes) {
+    if (lanes == BoxLanes::First) return CAROM_NARROW_DISPATCH(PlaceBoxes)(lines, numbers, pairs, unusual, 1);
+    HWY_DYNAMIC_DISPATCH(PlaceBoxes)(lines, numbers, pairs, unusual, kBundleWidth);
 }
 
 void write_box_manifolds(std::span<const BoxLine> lines, std::span<const BoxNumberBundle> numbers, std::span<const BoxWayBundle> ways,
-                         std::span<const BoxAxisBundle> axes, std::span<const BoxPatchBundle> patches, Manifold* manifolds) {
-    HWY_DYNAMIC_DISPATCH(WriteManifolds)(lines, numbers, ways, axes, patches, manifolds);
+                         std::span<const BoxAxisBundle> axes, std::span<const BoxPatchBundle> patches, Manifold* manifolds,
+                         BoxLanes lanes) {
+    if (lanes == BoxLanes::First) return CAROM_NARROW_DISPATCH(WriteManifolds)(lines, numbers, ways, axes, patches, manifolds, 1);
+    HWY_DYNAMIC_DISPATCH(WriteManifolds)(lines, numbers, ways, axes, patches, manifolds, kBundleWidth);
 }
 }  // namespace carom::detail
 #endif

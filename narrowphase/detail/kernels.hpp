@@ -37,6 +37,9 @@ void box_plane_lanes(const BatchInput& input, std::span<const std::uint32_t> cho
 void capsule_box_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, ManifoldList& out);
 void box_box(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, ManifoldList& out);
 
+/// Two boxes by themselves, with the bits that they have among many.
+void box_box_single(const ShapePair& pair, std::uint32_t index, Workspace& workspace, ManifoldList& out);
+
 /// Two boxes as polytopes in double: where they are not many, as parts of compounds are not.
 CollideStatus box_box_alone(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 
