@@ -7,6 +7,8 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <array>
+#include <bit>
 #include <cmath>
 
 namespace carom::detail {
@@ -14,19 +16,29 @@ namespace {
 
 double largest(const dvec3& v) noexcept { return std::max({std::abs(v.x), std::abs(v.y), std::abs(v.z)}); }
 
+// std::ldexp(1.0, exponent)
+double power_of_two(int exponent) noexcept {
+    return exponent > -1023 && exponent < 1024 ? std::bit_cast<double>(static_cast<std::uint64_t>(1023 + exponent) << 52)
+                                               : std::ldexp(1.0, exponent);
+}
+
 // Of a shape's core from its origin, and its radius [m].
 double reach_of(const Shape& shape) noexcept {
     switch (type_of(shape)) {
-        case ShapeType::Box: return glm::length(dvec3(as<Box>(shape).half_extents)) * (1.0 + 0x1p-50);
-        case ShapeType::Capsule: return static_cast<double>(as<Capsule>(shape).half_segment);
-        case ShapeType::ConvexHull: return as<ConvexHullPtr>(shape)->reach();
+        case ShapeType::Box:
+            return glm::length(dvec3(as<Box>(shape).half_extents)) * (1.0 + 0x1p-50);
+        case ShapeType::Capsule:
+            return static_cast<double>(as<Capsule>(shape).half_segment);
+        case ShapeType::ConvexHull:
+            return as<ConvexHullPtr>(shape)->reach();
         case ShapeType::Cylinder:
         case ShapeType::Cone: {
             const TruncatedCone solid = truncated_cone(shape, dmat3{1.0}, dvec3{0.0});
             const double h = solid.half_height, r = solid.largest_radius();
             return std::sqrt(h * h + r * r) * (1.0 + 0x1p-50);
         }
-        default: return 0.0;
+        default:
+            return 0.0;
     }
 }
 
@@ -56,6 +68,17 @@ CoreSupport ConvexCore::support(const dvec3& direction) const noexcept {
     const auto bit = [&](int k) { return half[k] * local[k] > 0.0 ? 1u << k : 0u; };  // 0 where there is no extent
     const std::uint32_t index = kind == Kind::Box ? bit(0) + bit(1) + bit(2) : lowest(bundles, -local).number;
     return {place(index), index};
+}
+
+void supports(const ConvexCore& a, const ConvexCore& b, const dvec3& direction, CoreSupport& of_a, CoreSupport& of_b) noexcept {
+    if (a.kind != ConvexCore::Kind::Points || b.kind != ConvexCore::Kind::Points) {
+        of_a = a.support(direction);
+        of_b = b.support(-direction);
+        return;
+    }
+    const std::array<std::uint32_t, 2> found = lowest_of_two(a.bundles, -(direction * a.axes), b.bundles, direction * b.axes);
+    of_a = {a.centre + a.axes * point_of(a.bundles, found[0]), found[0]};
+    of_b = {b.centre + b.axes * point_of(b.bundles, found[1]), found[1]};
 }
 
 ConvexCore core_of(const Shape& shape, const dquat& orientation, const dvec3& centre, double scale) noexcept {
@@ -98,11 +121,11 @@ CorePair core_pair(const Shape& a, const Pose& pose_a, const Shape& b, const Pos
     int exponent = 0;
     std::frexp(size, &exponent);  // size is below 2^exponent
     exponent = std::min(exponent, 1020);
-    const double shrink = std::ldexp(1.0, -exponent);
+    const double shrink = power_of_two(-exponent);
     const dvec3 between = (4.0 * shrink) * quarter;
     CorePair pair{.a = core_of(a, pose_a.orientation, dvec3{0.0}, shrink),
                   .b = core_of(b, pose_b.orientation, between, shrink),
-                  .unit = std::ldexp(1.0, exponent)};
+                  .unit = power_of_two(exponent)};
     pair.rounding = 0x1p-46 * (glm::length(between) + pair.a.reach + pair.b.reach + pair.a.radius + pair.b.radius);
     return pair;
 }

@@ -11,6 +11,7 @@
 
 #include <cstdint>
 #include <span>
+#include <type_traits>
 
 namespace carom::detail {
 
@@ -20,19 +21,25 @@ struct CoreSupport {
     std::uint32_t index = 0;
 };
 
+static_assert(std::is_trivially_copyable_v<TruncatedCone>);  // a core that has none is copied with what is in its place
+
 /// A core in its pair's frame: world axes about A's origin, lengths in the pair's unit.
 struct ConvexCore {
     enum class Kind : unsigned char { Box, Points, Turned };
 
+    ConvexCore() noexcept {}  // leaves out the solid, which few have
+
     Kind kind = Kind::Box;
-    std::span<const vec3> points;  ///< of a hull, in its own frame [m]
+    std::span<const vec3> points;          ///< of a hull, in its own frame [m]
     std::span<const PointBundle> bundles;  ///< the same
-    dvec3 half{0.0};               ///< of a box, along its axes [m]; a capsule's core has y alone, a sphere's is a point
-    dmat3 axes{1.0};               ///< of the shape, each of the length of a metre
+    dvec3 half{0.0};                       ///< of a box, along its axes [m]; a capsule's core has y alone, a sphere's is a point
+    dmat3 axes{1.0};                       ///< of the shape, each of the length of a metre
     dvec3 centre{0.0};
-    TruncatedCone solid;           ///< of a cylinder or cone
-    double radius = 0.0;           ///< what lies round the core
-    double reach = 0.0;            ///< of the core from `centre`, at least
+    union {
+        TruncatedCone solid;  ///< of a cylinder or cone alone
+    };
+    double radius = 0.0;  ///< what lies round the core
+    double reach = 0.0;   ///< of the core from `centre`, at least
 
     [[nodiscard]] bool curved() const noexcept { return kind == Kind::Turned; }
     [[nodiscard]] std::uint32_t count() const noexcept;  ///< of numbered points
@@ -40,6 +47,9 @@ struct ConvexCore {
     /// @return a point farthest along `direction`, which is neither zero nor infinite; the lowest number of equals.
     [[nodiscard]] CoreSupport support(const dvec3& direction) const noexcept;
 };
+
+/// A support point of each, of `a` along a direction and of `b` against it.
+void supports(const ConvexCore& a, const ConvexCore& b, const dvec3& direction, CoreSupport& of_a, CoreSupport& of_b) noexcept;
 
 /// @return the radius about a shape's core [m]: of spheres and capsules; for the rest 0.
 [[nodiscard]] double core_radius(const Shape& shape) noexcept;

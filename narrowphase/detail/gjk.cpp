@@ -82,19 +82,22 @@ GjkResult search(const A& a, const B& b, double cutoff, int max_rounds, Simplex&
         for (int i = 0; i < simplex.count; ++i) known = known || same(simplex[i], next);
         if (known) return result_of(simplex, distance, false, true);
 
-        Simplex grown = simplex;
-        grown.add(next, 1.0);
-        Simplex smaller = nearest(grown, curved);
-        if (smaller.count == 4) {
+        simplex.add(next, 1.0);
+        const SimplexPart part = nearest_part(simplex, curved);
+        if (part.count == 4) return result_of(simplex, 0.0, true, true);
+        dvec3 nearer = part_point(simplex, part);
+        if (glm::dot(nearer, nearer) < vv) {
+            simplex.keep(part);
+        } else {
+            simplex.drop_last();
+            if (!curved) return result_of(simplex, distance, false, true);  // rounding allows no progress
+            const Simplex smaller = nearest_on_segment(merged(simplex), next);
+            nearer = smaller.point();
+            if (!(glm::dot(nearer, nearer) < vv)) return result_of(simplex, distance, false, true);
             simplex = smaller;
-            return result_of(simplex, 0.0, true, true);
         }
-        if (curved && !(length_sq(smaller) < vv)) smaller = nearest_on_segment(merged(simplex), next);
-        v = smaller.point();
-        const double closer = glm::dot(v, v);
-        if (!(closer < vv)) return result_of(simplex, distance, false, true);  // rounding allows no progress
-        simplex = smaller;
-        vv = closer;
+        v = nearer;
+        vv = glm::dot(v, v);
     }
     return result_of(simplex, std::sqrt(vv), false, false);
 }
@@ -133,12 +136,8 @@ std::size_t farthest_along(std::span<const dvec3> points, const dvec3& direction
 }
 
 GjkResult gjk(std::span<const dvec3> a, std::span<const dvec3> b, double cutoff) noexcept { return search(a, b, cutoff, kMaxRounds); }
-GjkResult gjk(const TruncatedCone& a, std::span<const dvec3> b, double cutoff) noexcept {
-    return search(a, b, cutoff, kMaxRoundsCurved);
-}
-GjkResult gjk(const TruncatedCone& a, const TruncatedCone& b, double cutoff) noexcept {
-    return search(a, b, cutoff, kMaxRoundsCurved);
-}
+GjkResult gjk(const TruncatedCone& a, std::span<const dvec3> b, double cutoff) noexcept { return search(a, b, cutoff, kMaxRoundsCurved); }
+GjkResult gjk(const TruncatedCone& a, const TruncatedCone& b, double cutoff) noexcept { return search(a, b, cutoff, kMaxRoundsCurved); }
 
 GjkResult gjk(std::span<const dvec3> a, std::span<const dvec3> b, double cutoff, GjkSimplex& last) noexcept {
     return search(a, b, cutoff, kMaxRounds, last);

@@ -1,14 +1,13 @@
 // The simplex of the GJK algorithm: up to four points of the difference of two sets, and the part of it nearest to the origin.
 //
 //   simplex.add(support, 1.0);
-//   simplex = nearest(simplex, false);          // only the corners that hold the nearest point, with their weights
+//   simplex.keep(nearest_part(simplex, false));  // only the corners that hold the nearest point, with their weights
 //   dvec3 v = simplex.point();
 #pragma once
 
-#include <carom/core/types.hpp>
+#include <carom/narrowphase/detail/simplex_parts.hpp>
 
-#include <glm/geometric.hpp>
-
+#include <bit>
 #include <cstddef>
 
 namespace carom::detail {
@@ -22,7 +21,8 @@ struct Corner {
     double weight = 1.0;
 };
 
-/// Corners whose weights give its point. Only those that are there are made and copied: the others would cost a search as much as its arithmetic.
+/// Corners whose weights give its point. They stay where they were put, whichever of them are kept: copying them would cost a search more than its
+/// arithmetic.
 class Simplex {
 public:
     int count = 0;
@@ -30,19 +30,41 @@ public:
     Simplex() noexcept {}
     Simplex(const Simplex& other) noexcept { *this = other; }
     Simplex& operator=(const Simplex& other) noexcept {
-        for (int i = 0; i < other.count; ++i) corners_[i].corner = other[i];
+        for (int i = 0; i < other.count; ++i) {
+            place_[i] = other.place_[i];
+            corners_[place_[i]].corner = other[i];
+        }
         count = other.count;
         return *this;
     }
 
-    [[nodiscard]] const Corner& operator[](int i) const noexcept { return corners_[i].corner; }
+    [[nodiscard]] const Corner& operator[](int i) const noexcept { return corners_[place_[i]].corner; }
+    /// A corner after the last: there is room for four.
+    Corner& add() noexcept {
+        unsigned taken = 0;
+        for (int i = 0; i < count; ++i) taken |= 1u << place_[i];
+        place_[count] = std::countr_one(taken);
+        return corners_[place_[count++]].corner;
+    }
     void add(const Corner& c, double weight) noexcept {
-        corners_[count].corner = c;
-        corners_[count++].corner.weight = weight;
+        Corner& to = add();
+        to = c;
+        to.weight = weight;
+    }
+    void drop_last() noexcept { --count; }
+    /// Keeps the corners of the part, in its order.
+    void keep(const SimplexPart& part) noexcept {
+        int places[4];
+        for (int i = 0; i < part.count; ++i) {
+            places[i] = place_[part.corner[i]];
+            corners_[places[i]].corner.weight = part.weight[i];
+        }
+        for (int i = 0; i < part.count; ++i) place_[i] = places[i];
+        count = part.count;
     }
     /// Moves the points of the difference.
     void shift(const dvec3& by) noexcept {
-        for (int i = 0; i < count; ++i) corners_[i].corner.w += by;
+        for (int i = 0; i < count; ++i) corners_[place_[i]].corner.w += by;
     }
     [[nodiscard]] dvec3 point() const noexcept {
         dvec3 sum{0.0};
@@ -56,15 +78,11 @@ private:
         Place() noexcept {}
     };
     Place corners_[4];
+    int place_[4];
 };
 
 [[nodiscard]] inline bool same(const Corner& a, const Corner& b) noexcept {
     return a.index_a == b.index_a && a.index_b == b.index_b && a.w == b.w;
-}
-
-[[nodiscard]] inline double length_sq(const Simplex& s) noexcept {
-    const dvec3 p = s.point();
-    return glm::dot(p, p);
 }
 
 [[nodiscard]] Simplex nearest_on_segment(const Corner& a, const Corner& b) noexcept;
@@ -72,6 +90,6 @@ private:
 /// The part of the simplex that is nearest to the origin; all four corners of a tetrahedron that holds it.
 /// @param curved  for support points of curved surfaces, which make triangles and tetrahedra so thin that rounding decides on which side
 ///                of them the origin lies: tries all parts and measures.
-[[nodiscard]] Simplex nearest(const Simplex& simplex, bool curved) noexcept;
+[[nodiscard]] SimplexPart nearest_part(const Simplex& simplex, bool curved) noexcept;
 
 }  // namespace carom::detail

@@ -25,6 +25,11 @@ namespace {
 
 Extreme Lowest(std::span<const PointBundle> points, const dvec3& direction) { return lowest_of(points, direction); }
 
+std::array<std::uint32_t, 2> LowestOfTwo(std::span<const PointBundle> a, const dvec3& along_a, std::span<const PointBundle> b,
+                                         const dvec3& along_b) {
+    return {lowest_of(a, along_a).number, lowest_of(b, along_b).number};
+}
+
 Extreme FaceAlong(std::span<const PlaneBundle> planes, const dvec3& direction) {
     const Doubles3 along = everywhere(direction);
     Greatest best;
@@ -42,9 +47,7 @@ Extreme FaceAlong(std::span<const PlaneBundle> planes, const dvec3& direction) {
 struct Motion {
     Doubles3 columns[3];
     Doubles3 origin;
-    HWY_INLINE Doubles3 turned(const Doubles3& v) const {
-        return (columns[0] * v.x + columns[1] * v.y) + columns[2] * v.z;
-    }
+    HWY_INLINE Doubles3 turned(const Doubles3& v) const { return (columns[0] * v.x + columns[1] * v.y) + columns[2] * v.z; }
 };
 
 void PlacePolytope(std::span<const PointBundle> points, std::span<const PlaneBundle> planes, const dmat3& axes, const dvec3& origin,
@@ -74,13 +77,15 @@ void PlacePolytope(std::span<const PointBundle> points, std::span<const PlaneBun
 void ListEdgesAboveOne(const Polytope& p, const dvec3 (&points)[2], double floor, std::vector<std::uint32_t>& out) {
     std::vector<DoubleBundle>& words = thread_words();
     mark_above(p, points, floor, words);
-    list_edges(p, words, [](std::uint64_t either) { return either != 0; }, out);
+    list_edges(
+        p, words, [](std::uint64_t either) { return either != 0; }, out);
 }
 
 void ListEdgesAboveBoth(const Polytope& p, const dvec3 (&points)[2], double floor, std::vector<std::uint32_t>& out) {
     std::vector<DoubleBundle>& words = thread_words();
     const std::uint64_t all = mark_above(p, points, floor, words);
-    list_edges(p, words, [all](std::uint64_t either) { return either == all; }, out);
+    list_edges(
+        p, words, [all](std::uint64_t either) { return either == all; }, out);
 }
 
 Extreme HighestFace(std::span<const PlaneBundle> planes, const dvec3& from, const dvec3& to) {
@@ -103,6 +108,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace carom::detail {
 HWY_EXPORT(Lowest);
+HWY_EXPORT(LowestOfTwo);
 HWY_EXPORT(FaceAlong);
 HWY_EXPORT(PlacePolytope);
 HWY_EXPORT(HighestFace);
@@ -113,7 +119,13 @@ void place_polytope(std::span<const PointBundle> points, std::span<const PlaneBu
                     PointBundle* to_points, PlaneBundle* to_planes) {
     HWY_DYNAMIC_DISPATCH(PlacePolytope)(points, planes, axes, origin, to_points, to_planes);
 }
-Extreme lowest(std::span<const PointBundle> points, const dvec3& direction) noexcept { return HWY_DYNAMIC_DISPATCH(Lowest)(points, direction); }
+Extreme lowest(std::span<const PointBundle> points, const dvec3& direction) noexcept {
+    return HWY_DYNAMIC_DISPATCH(Lowest)(points, direction);
+}
+std::array<std::uint32_t, 2> lowest_of_two(std::span<const PointBundle> a, const dvec3& along_a, std::span<const PointBundle> b,
+                                           const dvec3& along_b) noexcept {
+    return HWY_DYNAMIC_DISPATCH(LowestOfTwo)(a, along_a, b, along_b);
+}
 Extreme face_along(const Polytope& p, const dvec3& direction) noexcept { return HWY_DYNAMIC_DISPATCH(FaceAlong)(p.planes, direction); }
 Extreme highest_face(const Polytope& p, const dvec3& from, const dvec3& to) noexcept {
     return HWY_DYNAMIC_DISPATCH(HighestFace)(p.planes, from, to);

@@ -9,6 +9,7 @@
 
 #include <carom/narrowphase/detail/polytope.hpp>
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -28,6 +29,9 @@ struct Extreme {
 /// @return the vertex with the least dot product with `direction`, and the product.
 [[nodiscard]] Extreme lowest(std::span<const PointBundle> points, const dvec3& direction) noexcept;
 [[nodiscard]] inline Extreme lowest(const Polytope& p, const dvec3& direction) noexcept { return lowest(p.points, direction); }
+/// @return the numbers of the lowest vertices of two sets, each along a direction of its own.
+[[nodiscard]] std::array<std::uint32_t, 2> lowest_of_two(std::span<const PointBundle> a, const dvec3& along_a,
+                                                         std::span<const PointBundle> b, const dvec3& along_b) noexcept;
 /// @return the face whose normal has the greatest dot product with `direction`, and the product.
 [[nodiscard]] Extreme face_along(const Polytope& p, const dvec3& direction) noexcept;
 

@@ -58,31 +58,59 @@ private:
     Doubles best_, at_;
 };
 
-HWY_INLINE Extreme lowest_of(std::span<const PointBundle> points, const dvec3& direction) {
-    const Doubles3 along = everywhere(direction);
-    constexpr std::size_t kKept = 4;  // bundles whose heights are kept, so that up to 32 points need no second look
-    alignas(64) double kept[kKept * kWidth];
+template <std::size_t count>
+HWY_INLINE Doubles least_of(const Doubles* values) {
+    if constexpr (count == 1) {
+        return values[0];
+    } else {
+        return min(least_of<count / 2>(values), least_of<count - count / 2>(values + count / 2));
+    }
+}
+
+// Of up to 32 points: all heights stay in registers, and no branch depends on them.
+template <std::size_t bundles>
+HWY_INLINE Extreme lowest_of_few(const PointBundle* points, const Doubles3& along) {
+    constexpr std::size_t kStep = kLaneStep, kParts = kWidth / kStep, kCount = bundles * kParts;
+    Doubles height[kCount];
+#pragma GCC unroll 16
+    for (std::size_t k = 0; k < kCount; ++k) height[k] = dot(read(points[k / kParts], static_cast<int>(k % kParts * kStep)), along);
+    const double least = least_lane(least_of<kCount>(height));
+    std::uint32_t equal = 0;
+#pragma GCC unroll 16
+    for (std::size_t k = 0; k < kCount; ++k) equal |= static_cast<std::uint32_t>(bits(height[k] == Doubles(least))) << (k * kStep);
+    return {least, equal != 0 ? static_cast<std::uint32_t>(std::countr_zero(equal)) : 0};
+}
+
+HWY_INLINE Extreme lowest_of_many(std::span<const PointBundle> points, const Doubles3& along) {
     Doubles best(kInfinity);
-    for (std::size_t k = 0; k < points.size(); ++k) {
-        for (int lane = 0; lane < kWidth; lane += kLaneStep) {
-            const Doubles height = dot(read(points[k], lane), along);
-            if (k < kKept) store(height, kept + k * kWidth + static_cast<std::size_t>(lane));
-            best = min(height, best);
-        }
+    for (const PointBundle& p : points) {
+        for (int lane = 0; lane < kWidth; lane += kLaneStep) best = min(dot(read(p, lane), along), best);
     }
     const double least = least_lane(best);
-    // Of the kept ones in one word, without a branch a bundle.
-    const std::size_t kept_points = std::min(points.size(), kKept) * kWidth;
-    std::uint32_t equal = 0;
-    for (std::size_t i = 0; i < kept_points; i += kLaneStep) equal |= static_cast<std::uint32_t>(bits(load(kept + i) == Doubles(least))) << i;
-    if (equal != 0) return {least, static_cast<std::uint32_t>(std::countr_zero(equal))};
-    for (std::size_t k = kKept; k < points.size(); ++k) {
+    for (std::size_t k = 0; k < points.size(); ++k) {
         for (int lane = 0; lane < kWidth; lane += kLaneStep) {
             const unsigned found = bits(dot(read(points[k], lane), along) == Doubles(least));
-            if (found != 0) return {least, static_cast<std::uint32_t>(k * kWidth) + static_cast<std::uint32_t>(lane + std::countr_zero(found))};
+            if (found != 0)
+                return {least, static_cast<std::uint32_t>(k * kWidth) + static_cast<std::uint32_t>(lane + std::countr_zero(found))};
         }
     }
     return {least, 0};
+}
+
+HWY_INLINE Extreme lowest_of(std::span<const PointBundle> points, const dvec3& direction) {
+    const Doubles3 along = everywhere(direction);
+    switch (points.size()) {
+        case 1:
+            return lowest_of_few<1>(points.data(), along);
+        case 2:
+            return lowest_of_few<2>(points.data(), along);
+        case 3:
+            return lowest_of_few<3>(points.data(), along);
+        case 4:
+            return lowest_of_few<4>(points.data(), along);
+        default:
+            return lowest_of_many(points, along);
+    }
 }
 
 // For each plane, sides after faces, a word whose bit i says whether point i lies higher over it than `floor`. At most 64 points are looked at.
@@ -95,7 +123,8 @@ HWY_INLINE std::uint64_t mark_above(const Polytope& p, std::span<const dvec3> po
         for (int lane = 0; lane < kWidth; lane += kLaneStep) {
             auto marks = hn::Zero(word_tag);
             for (std::size_t i = 0; i < count; ++i) {
-                const DoubleMask is_above = heights(planes, lane, everywhere(points[i])) > Doubles(floor);  // never in lanes without a plane
+                const DoubleMask is_above =
+                    heights(planes, lane, everywhere(points[i])) > Doubles(floor);  // never in lanes without a plane
                 const auto bit = hn::Set(word_tag, std::uint64_t{1} << i);
                 marks = hn::Or(marks, hn::IfThenElseZero(hn::RebindMask(word_tag, is_above.raw), bit));
             }
@@ -109,7 +138,8 @@ HWY_INLINE std::uint64_t mark_above(const Polytope& p, std::span<const dvec3> po
 
 // The edges of whose two planes the words, joined, are `wanted`.
 template <class Wanted>
-HWY_INLINE void list_edges(const Polytope& p, const std::vector<DoubleBundle>& words, const Wanted& wanted, std::vector<std::uint32_t>& out) {
+HWY_INLINE void list_edges(const Polytope& p, const std::vector<DoubleBundle>& words, const Wanted& wanted,
+                           std::vector<std::uint32_t>& out) {
     const std::uint32_t faces = p.face_count(), gap = static_cast<std::uint32_t>(kWidth * p.planes.size()) - faces;
     const double* const of_plane = words.data()->lane;
     const auto word = [&](std::uint32_t plane) { return std::bit_cast<std::uint64_t>(of_plane[plane < faces ? plane : plane + gap]); };

@@ -1,6 +1,7 @@
 #include <carom/narrowphase/detail/proximity.hpp>
 
 #include <carom/narrowphase/detail/epa_hull.hpp>
+#include <carom/narrowphase/detail/search_points.hpp>
 
 #include <glm/geometric.hpp>
 
@@ -12,25 +13,14 @@
 namespace carom::detail {
 namespace {
 
-constexpr int kFaces[4][4] = {{0, 1, 2, 3}, {0, 2, 3, 1}, {0, 3, 1, 2}, {1, 3, 2, 0}};  // of a tetrahedron, with the corner opposite
-
-// Whether the origin lies in the tetrahedron, deeper than `rounding` behind each face: then it is in that of the exact corners too.
-bool holds_origin(const Simplex& t, double rounding) noexcept {
-    for (const auto& f : kFaces) {
-        const dvec3 &a = t[f[0]].w, u = t[f[1]].w - a, v = t[f[2]].w - a, n = glm::cross(u, v);
-        const double slack = rounding * std::sqrt(glm::dot(n, n)) +
-                             0x1p-49 * std::sqrt(glm::dot(u, u) * glm::dot(v, v)) * (std::sqrt(glm::dot(a, a)) + rounding);
-        const double inside = glm::dot(n, t[f[3]].w - a), origin = -glm::dot(n, a);
-        if (!(std::abs(origin) > slack) || !(std::abs(inside) > slack) || (origin > 0.0) != (inside > 0.0)) return false;
-    }
-    return true;
-}
+double length_sq(const dvec3& v) noexcept { return glm::dot(v, v); }
 
 class Search {
 public:
-    Search(const CorePair& pair, const ProximityGoal& goal) noexcept
-        : pair_(pair), goal_(goal), curved_(pair.a.curved() || pair.b.curved()) {
-        result_.upper = std::numeric_limits<double>::infinity();
+    // @param known  bounds of an earlier search, or nothing.
+    Search(const CorePair& pair, const ProximityGoal& goal, const Proximity& known) noexcept
+        : pair_(pair), goal_(goal), curved_(pair.a.curved() || pair.b.curved()), result_(known) {
+        if (known.iterations == 0) result_.upper = std::numeric_limits<double>::infinity();
     }
 
     Proximity run(DistanceCache* cache) noexcept {
@@ -45,19 +35,24 @@ public:
 private:
     // The support plane across `v` counts as a bound; its point is returned. `v` points from b to a.
     Corner probe(const dvec3& v, double length) noexcept {
-        const CoreSupport of_a = pair_.a.support(-v), of_b = pair_.b.support(v);
-        const Corner next{of_a.point - of_b.point, of_a.point, of_b.point, of_a.index, of_b.index, 1.0};
+        Corner next;
+        probe(v, length, next);
+        return next;
+    }
+    void probe(const dvec3& v, double length, Corner& next) noexcept {
+        CoreSupport of_a, of_b;
+        supports(pair_.a, pair_.b, -v, of_a, of_b);
+        next = {of_a.point - of_b.point, of_a.point, of_b.point, of_a.index, of_b.index, 1.0};
         const double bound = glm::dot(v, next.w) / length - pair_.rounding;
         if (bound > result_.lower) {
             result_.lower = bound;
             result_.normal = v * (-1.0 / length);
         }
         ++result_.iterations;
-        return next;
     }
 
     void begin() noexcept {
-        simplex_ = {};
+        simplex_.count = 0;
         dvec3 v = pair_.a.centre - pair_.b.centre;
         double length = std::sqrt(glm::dot(v, v));
         if (!(length > 0.0)) {
@@ -69,14 +64,14 @@ private:
 
     bool resume(const DistanceCache& cache) noexcept {
         if (curved_ || cache.count == 0 || cache.count > 4) return false;
-        Simplex kept;
+        simplex_.count = 0;
         for (std::uint32_t i = 0; i < cache.count; ++i) {
             if (cache.a[i] >= pair_.a.count() || cache.b[i] >= pair_.b.count()) return false;
             const dvec3 on_a = pair_.a.place(cache.a[i]), on_b = pair_.b.place(cache.b[i]);
-            kept.add({on_a - on_b, on_a, on_b, cache.a[i], cache.b[i], 1.0}, 1.0);
+            simplex_.add({on_a - on_b, on_a, on_b, cache.a[i], cache.b[i], 1.0}, 1.0);
         }
-        simplex_ = nearest(kept, false);
-        return simplex_.count < 4 || holds_origin(simplex_, pair_.rounding);
+        simplex_.keep(nearest_part(simplex_, false));
+        return simplex_.count < 4 || is_finite(result_.upper) || holds_origin(simplex_, pair_.rounding);
     }
 
     void keep(DistanceCache& cache) const noexcept {
@@ -92,6 +87,9 @@ private:
     void note_upper(double length) noexcept {
         if (length + pair_.rounding >= result_.upper) return;
         result_.upper = length + pair_.rounding;
+        note_witness();
+    }
+    void note_witness() noexcept {
         result_.on_a = result_.on_b = dvec3{0.0};
         for (int i = 0; i < simplex_.count; ++i) {
             result_.on_a += simplex_[i].weight * simplex_[i].on_a;
@@ -115,18 +113,32 @@ private:
             if (!(length < last)) return DistanceStatus::Rounding;
             if (result_.iterations >= goal_.most_iterations) return DistanceStatus::Stopped;
             last = length;
-            const Corner next = probe(v, length);
-            if (met()) return DistanceStatus::Converged;
-            for (int i = 0; i < simplex_.count; ++i) {
-                if (simplex_[i].w == next.w) return DistanceStatus::Rounding;
+            Corner& next = simplex_.add();
+            probe(v, length, next);
+            const bool ends = met();
+            if (ends || !grow(next, length * length)) {
+                simplex_.drop_last();
+                return ends ? DistanceStatus::Converged : DistanceStatus::Rounding;
             }
-            Simplex grown = simplex_;
-            grown.add(next, 1.0);
-            Simplex smaller = nearest(grown, curved_);
-            if (curved_ && smaller.count < 4 && !(length_sq(smaller) < length * length)) smaller = nearest_on_segment(merged(), next);
-            if (smaller.count < 4 && !(length_sq(smaller) < length * length)) return DistanceStatus::Rounding;
-            simplex_ = smaller;
         }
+    }
+
+    // Keeps what is nearest of the simplex, whose last corner is new.
+    // @return whether it is nearer than before; otherwise all corners are still there.
+    bool grow(const Corner& next, double before_sq) noexcept {
+        for (int i = 0; i + 1 < simplex_.count; ++i) {
+            if (simplex_[i].w == next.w) return false;
+        }
+        const SimplexPart part = nearest_part(simplex_, curved_);
+        if (part.count == 4 || length_sq(part_point(simplex_, part)) < before_sq) {
+            simplex_.keep(part);
+            return true;
+        }
+        if (!curved_) return false;
+        const Simplex smaller = nearest_on_segment(merged(), next);
+        if (!(length_sq(smaller.point()) < before_sq)) return false;
+        simplex_ = smaller;
+        return true;
     }
 
     // Near contact the direction between the witnesses is lost to rounding; square to the features that they lie on it is not. The
@@ -145,22 +157,23 @@ private:
         return met() ? DistanceStatus::Converged : enclose();
     }
 
-    // The simplex's point as one corner. Between it and a support point beyond there is always a nearer one, whatever rounding makes of the
-    // simplex itself.
+    // The simplex's point without its last corner, as one corner. Between it and a support point beyond there is always a nearer one, whatever
+    // rounding makes of the simplex itself.
     [[nodiscard]] Corner merged() const noexcept {
         Corner c;
-        for (int i = 0; i < simplex_.count; ++i) {
-            c.on_a += simplex_[i].weight * simplex_[i].on_a;
-            c.on_b += simplex_[i].weight * simplex_[i].on_b;
+        for (int i = 0; i + 1 < simplex_.count; ++i) {
+            const Corner& corner = simplex_[i];
+            c.w += corner.weight * corner.w;
+            c.on_a += corner.weight * corner.on_a;
+            c.on_b += corner.weight * corner.on_b;
         }
-        c.w = simplex_.point();
         return c;
     }
 
     // The origin is in or near the difference: a polytope grows until it holds the origin surely, or a plane passes it by.
     DistanceStatus enclose() noexcept {
         const Simplex last = simplex_;
-        for (const auto& f : kFaces) {
+        for (const auto& f : kTetrahedronFaces) {
             if (last.count == 4) note_triangle({last[f[0]], last[f[1]], last[f[2]]});
         }
         EpaHull hull;
@@ -190,10 +203,10 @@ private:
     // A triangle's points are of the difference.
     void note_triangle(const std::array<Corner, 3>& triangle) noexcept {
         const Simplex kept = simplex_;
-        simplex_ = {};
+        simplex_.count = 0;
         for (const Corner& c : triangle) simplex_.add(c, 1.0);
-        simplex_ = nearest(simplex_, true);
-        note_upper(std::sqrt(length_sq(simplex_)));
+        simplex_.keep(nearest_part(simplex_, true));
+        note_upper(std::sqrt(length_sq(simplex_.point())));
         simplex_ = kept;
     }
 
@@ -207,7 +220,11 @@ private:
 }  // namespace
 
 Proximity find_proximity(const CorePair& pair, const ProximityGoal& goal, DistanceCache* cache) noexcept {
-    return Search(pair, goal).run(cache);
+    if (cache != nullptr || !is_searched_by_points(pair)) return Search(pair, goal, {}).run(cache);
+    Proximity known;
+    DistanceCache last;
+    if (!search_points(pair, goal, known, last)) known = Search(pair, goal, known).run(&last);
+    return known;
 }
 
 }  // namespace carom::detail

@@ -62,7 +62,7 @@ private:
         bool known = false;
         for (int i = 0; i < simplex_.count; ++i) known |= simplex_[i].index_a == next.index_a && simplex_[i].index_b == next.index_b;
         if (!known) simplex_.add(next, 1.0);
-        simplex_ = nearest(simplex_, false);
+        simplex_.keep(nearest_part(simplex_, false));
         return !known;
     }
 

@@ -35,6 +35,10 @@ TEST(PolytopeLanes, TheLowestPointIsTheFirstOfThoseThatAre) {
                 const detail::Extreme found = detail::lowest(bundles, direction);
                 ASSERT_EQ(found.number, lowest_one) << count << " points, width " << width;
                 ASSERT_EQ(found.value, glm::dot(points[lowest_one], direction));
+                const std::size_t part = (bundles.size() + 1) / 2;
+                const auto two = detail::lowest_of_two(bundles, direction, std::span(bundles).first(part), -direction);
+                ASSERT_EQ(two[0], lowest_one) << count << " points, width " << width;
+                ASSERT_EQ(two[1], detail::lowest(std::span(bundles).first(part), -direction).number);
             }
         }
     }
@@ -53,7 +57,8 @@ TEST(PolytopeLanes, PlacedHullsHoldTheirVertices) {
         ASSERT_EQ(placed.face_count(), hull->faces().size());
         for (std::uint32_t v = 0; v < placed.vertex_count; ++v) {
             ASSERT_LT(glm::length(placed.vertex(v) - (axes * dvec3(hull->vertices()[v]) + origin)), 1e-14);
-            for (std::uint32_t f = 0; f < placed.face_count(); ++f) ASSERT_LT(glm::dot(placed.normal(f), placed.vertex(v)) - placed.offset(f), 1e-14);
+            for (std::uint32_t f = 0; f < placed.face_count(); ++f)
+                ASSERT_LT(glm::dot(placed.normal(f), placed.vertex(v)) - placed.offset(f), 1e-14);
         }
         const dvec3 direction = random_direction(r);
         const detail::Extreme face = detail::face_along(placed, direction);
