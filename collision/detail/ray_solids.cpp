@@ -47,8 +47,7 @@ std::optional<Chord> within_radius(const dvec3& from, const dvec3& along, double
 
 /// Cuts `chord` to low <= height + t rate <= high; the normals are those of the two ends.
 /// @return false where nothing remains.
-bool cut(Chord& chord, double to_low, double to_high, double rate, const dvec3& normal_low,
-         const dvec3& normal_high) noexcept {
+bool cut(Chord& chord, double to_low, double to_high, double rate, const dvec3& normal_low, const dvec3& normal_high) noexcept {
     if (rate == 0.0) {  // ±0: parallel
         return to_low <= 0.0 && to_high >= 0.0;
     }
@@ -104,9 +103,21 @@ void widen(std::optional<Chord>& chord, const std::optional<Chord>& other) noexc
     }
 }
 
+/// The next for a line parallel to the axis: of a slender cone the square of the slope underflows, or the slope itself.
+Chord parallel_chord(const AxisFrame& f, double radius) noexcept {
+    const double most = largest(f.across);
+    const dvec3 across = most > 0.0 ? f.across / most : dvec3{0.0};  // of which squares do not underflow
+    const double height = most > 0.0 ? most / radius * std::sqrt(glm::dot(across, across)) : 0.0;
+    Chord chord;
+    (f.climb > 0.0 ? chord.enter : chord.exit) = (height - f.height) / f.climb;
+    return chord;
+}
+
 /// Where the line is in the infinite cone f.height >= 0, |across| <= radius height; `f` starts near the tip.
 std::optional<Chord> cone_chord(const AxisFrame& f, double radius) noexcept {
-    const double a = 0.0 + (glm::dot(f.drift, f.drift) - radius * f.climb * (radius * f.climb));  // never -0
+    const double drift_sq = glm::dot(f.drift, f.drift);
+    if (drift_sq == 0.0 && f.climb != 0.0) return parallel_chord(f, radius);
+    const double a = 0.0 + (drift_sq - radius * f.climb * (radius * f.climb));  // never -0
     const double b = glm::dot(f.across, f.drift) - radius * f.height * (radius * f.climb);
     const double c = glm::dot(f.across, f.across) - radius * f.height * (radius * f.height);
     const dvec3 at_tip = f.height * f.drift - f.climb * f.across;
@@ -185,8 +196,7 @@ std::optional<Chord> intersect(const Aabb<double>& box, const Line& line) noexce
     for (int k = 0; k < 3; ++k) {
         dvec3 normal{0.0};
         normal[k] = 1.0;
-        if (!cut(chord, box.lower[k] - line.origin[k], box.upper[k] - line.origin[k], line.direction[k], -normal,
-                 normal)) {
+        if (!cut(chord, box.lower[k] - line.origin[k], box.upper[k] - line.origin[k], line.direction[k], -normal, normal)) {
             return std::nullopt;
         }
     }
@@ -237,8 +247,7 @@ std::optional<Chord> intersect(const Cylinder<double>& cylinder, const Line& lin
     const AxisFrame f(line.origin - cylinder.axis.a, line.direction, cylinder.axis.b - cylinder.axis.a);
     std::optional<Chord> chord = cylinder_chord(f, cylinder.radius, glm::dot(line.direction, line.direction));
     if (chord) {
-        chord->normal_enter =
-            chord->normal_enter == dvec3{0.0} ? f.across + chord->enter * f.drift : chord->normal_enter;
+        chord->normal_enter = chord->normal_enter == dvec3{0.0} ? f.across + chord->enter * f.drift : chord->normal_enter;
         chord->normal_exit = chord->normal_exit == dvec3{0.0} ? f.across + chord->exit * f.drift : chord->normal_exit;
     }
     return chord;

@@ -42,10 +42,37 @@ TEST(RayPrimitivesLimits, AConeNextToFlatIsADisc) {
     }
 }
 
+// Squares of the slope underflow from 1e-162 on, the slope itself from 1e-324.
+TEST(RayPrimitivesLimits, ANeedleOfAConeIsMetByWhatIsParallelToItsAxisOnlyBeforeItsBase) {
+    constexpr double kHeight = 1e20;
+    for (const double radius : {1e10, 1e-100, 1e-150, 1e-200, 1e-304, 5e-324}) {
+        const geo::Cone<double> cone{{0, 0, 0}, {0, 0, -kHeight}, radius};
+        for (const double way : {1.0, -1.0}) {
+            const auto at = [&](double x, double y) { return geo::Ray<double>{{x, y, 3e19}, {0, 0, way}, -kInfinity, kInfinity}; };
+            for (const geo::Ray<double>& aside : {at(1e20, 5e-324), at(0, 1e12), at(-1e20, 1e20), at(1e30, 0)}) {
+                EXPECT_FALSE(geo::ray_interval(cone, aside)) << radius << ' ' << way;
+            }
+            for (const double share : {0.0, 0.25, 0.5}) {
+                const geo::Ray<double> ray = at(share * radius, 0.0);
+                const auto inside = geo::ray_interval(cone, ray);
+                ASSERT_TRUE(inside) << radius << ' ' << share;
+                EXPECT_EQ(exact::fault(cone, ray, inside, 8.0), "") << radius << ' ' << share;
+                EXPECT_NEAR(glm::length(inside->normal_enter), 1.0, 1e-15) << radius << ' ' << share;
+                EXPECT_NEAR(glm::length(inside->normal_exit), 1.0, 1e-15) << radius << ' ' << share;
+                if (radius < 1e-310) continue;  // no share of it is another number
+                const double side = way > 0.0 ? inside->t_exit : inside->t_enter, base = way > 0.0 ? inside->t_enter : inside->t_exit;
+                EXPECT_NEAR(way * side / kHeight, -0.3 - share, 1e-9) << radius << ' ' << share;
+                EXPECT_NEAR(way * base / kHeight, -1.3, 1e-9) << radius << ' ' << share;
+            }
+        }
+    }
+}
+
 TEST(RayPrimitivesLimits, ACylinderOrACapsuleOfNoLengthToSpeakOfIsADiscOrABall) {
     for (const double height : {1e-100, 1e-150, 1e-155, 1e-160, 1e-200, 1e-310}) {
         for (const double y : {0.0, 0.3, 0.9}) {
-            const geo::Ray<double> along{.origin = {-2, y, 0.1}, .direction = {1, 0, 0}}, across{.origin = {0, -5, y}, .direction = {0, 1, 0}};
+            const geo::Ray<double> along{.origin = {-2, y, 0.1}, .direction = {1, 0, 0}},
+                across{.origin = {0, -5, y}, .direction = {0, 1, 0}};
             const geo::Segment<double> axis{{0, 0, 0}, {height, 0, 0}};
             const auto disc = geo::ray_interval(geo::Cylinder<double>{axis, 1.0}, along);
             ASSERT_TRUE(disc) << height << ' ' << y;
@@ -92,12 +119,10 @@ TEST(RayPrimitivesLimits, AFanOfTrianglesOfAnySizeIsWatertight) {
 
 TEST(RayPrimitivesLimits, APolygonWithoutAreaIsNotHit) {
     // Its area by Newell's sum is exactly zero; rounded it is not.
-    const std::array<vec3, 6> corners{vec3{-0x1.07c6e8p+16f, -0x1.0473bap+17f, -0x1.33803p+9f},
-                                      {-0x1.03e374p+17f, -0x1.08e774p+16f, -0x1.33803p+9f},
-                                      {-0x1.07c6e8p+16f, 0x1.ee3116p+15f, -0x1.33803p+9f},
-                                      {-0x1.f1b9e6p+10f, -0x1.0473bap+17f, -0x1.33803p+9f},
-                                      {-0x1.07c6e8p+16f, 0x1.ee3116p+15f, -0x1.33803p+9f},
-                                      {-0x1.03e374p+17f, -0x1.1cee96p+11f, -0x1.33803p+9f}};
+    const std::array<vec3, 6> corners{
+        vec3{-0x1.07c6e8p+16f, -0x1.0473bap+17f, -0x1.33803p+9f}, {-0x1.03e374p+17f, -0x1.08e774p+16f, -0x1.33803p+9f},
+        {-0x1.07c6e8p+16f, 0x1.ee3116p+15f, -0x1.33803p+9f},      {-0x1.f1b9e6p+10f, -0x1.0473bap+17f, -0x1.33803p+9f},
+        {-0x1.07c6e8p+16f, 0x1.ee3116p+15f, -0x1.33803p+9f},      {-0x1.03e374p+17f, -0x1.1cee96p+11f, -0x1.33803p+9f}};
     EXPECT_FALSE(geo::cast_ray_polygon<float>(corners, {.origin = {-0x1.ef501ap+16f, 0x1.dce4fcp+11f, -0x1.08b886p+7f},
                                                         .direction = {-0x1.bad1dcp-3f, 0x1.cbe17cp-4f, -0x1.e2a41cp-1f},
                                                         .t_min = -std::numeric_limits<float>::infinity()}));
@@ -139,10 +164,11 @@ double error_in_eps(const dvec3& n, const dvec3& x, double offset, double got) {
 }
 
 TEST(RayPrimitivesLimits, HeightsAreWithinFourEpsWhateverCancels) {
-    double worst = error_in_eps({0x1.0a7e93e1bb832p+0, 0x1.c8ba147617f68p+0, -0x1.9218926d4cffp+0},
-                                {0x1.f885b3b88ac04p+0, 0x1.3d28cbf271539p+0, 0x1.87d205b659546p+0}, 0.0,
-                                geo::signed_distance(geo::Plane<double>{{0x1.0a7e93e1bb832p+0, 0x1.c8ba147617f68p+0, -0x1.9218926d4cffp+0}, 0.0},
-                                                     {0x1.f885b3b88ac04p+0, 0x1.3d28cbf271539p+0, 0x1.87d205b659546p+0}));
+    double worst =
+        error_in_eps({0x1.0a7e93e1bb832p+0, 0x1.c8ba147617f68p+0, -0x1.9218926d4cffp+0},
+                     {0x1.f885b3b88ac04p+0, 0x1.3d28cbf271539p+0, 0x1.87d205b659546p+0}, 0.0,
+                     geo::signed_distance(geo::Plane<double>{{0x1.0a7e93e1bb832p+0, 0x1.c8ba147617f68p+0, -0x1.9218926d4cffp+0}, 0.0},
+                                          {0x1.f885b3b88ac04p+0, 0x1.3d28cbf271539p+0, 0x1.87d205b659546p+0}));
     EXPECT_LE(worst, 1.0) << "4.97 ulp where only the leading terms are summed";
     Random random(6);
     for (int i = 0; i < 6000; ++i) {
