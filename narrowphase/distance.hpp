@@ -42,35 +42,36 @@ struct DistanceCache {
 };
 
 struct DistanceResult {
-    double lower = 0.0;     ///< the distance is at least this [m]: a support plane proves it, less what rounding may do
-    double upper = 0.0;     ///< and at most this [m]: the distance of the witness points, plus what rounding may do
-    dvec3 on_a{0.0};        ///< points of a and b that are `upper` apart, from A's origin along world axes [m]; zero for Overlap
+    double lower = 0.0;  ///< the distance is at least this [m]: a support plane proves it, less what rounding may do
+    double upper = 0.0;  ///< and at most this [m]: the distance of the witness points, plus what rounding may do
+    dvec3 on_a{0.0};     ///< points of a and b that are `upper` apart, from A's origin along world axes [m]; zero for Overlap
     dvec3 on_b{0.0};
-    dvec3 normal{0.0};      ///< unit, from a to b, world axes; zero for Overlap, and where shapes touch to within rounding
+    dvec3 normal{0.0};  ///< unit, from a to b, world axes; zero for Overlap, and where shapes touch to within rounding
     DistanceStatus status = DistanceStatus::Converged;
-    int iterations = 0;     ///< support points of each shape that were looked for
+    int iterations = 0;  ///< support points of each shape that were looked for; of two boxes steps from one to the other
 };
 
 /// The distance of two convex shapes: spheres, boxes, capsules, hulls, cylinders, cones; and of one such and a plane.
 ///
 /// Method: Gilbert, Johnson, Keerthi (1988), in double, on lengths scaled by a power of two, so that sizes and distances from 1e-37 m to
-/// the end of double's range work alike. Departure: both bounds are carried along and what is returned is what they prove.
+/// the end of double's range work alike. Departure: both bounds are carried along and what is returned is what they prove. Two boxes without a
+/// cache are asked for their nearest features first (detail/box_distance.hpp), which as a rule is all.
 /// @param a, b  valid shapes; poses finite, orientations of unit length to rounding: one that is off by e moves its shape by e of its size.
 /// @param cache  null, or see DistanceCache; becomes the last simplex.
 /// Accuracy: with E = 2^-46 (distance of the origins + sizes) = 1.4e-14 of them, the bounds hold strictly, and Converged means upper - lower
 /// <= 4 E + tolerance * upper for flat shapes. With cylinders and cones it is 1e-12 of the distance more, and near contact Rounding leaves
 /// the bounds up to 1e-9 of the size apart (1e-7 for shapes thinner than a thousandth).
 /// Misuse (a null hull, a mesh, a compound, two planes: WrongType; a pose that is not finite; settings out of range) is reported and gives
-/// an empty result: [0, inf), Stopped. Cost: 1 to 3 µs for hulls, some 6 µs where shapes touch; no allocation; thread-safe.
+/// an empty result: [0, inf), Stopped. Cost: 0.15 µs for boxes, 0.5 to 3 µs for hulls, some 6 µs where shapes touch; no allocation; thread-safe.
 [[nodiscard]] DistanceResult distance(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b,
                                       const DistanceSettings& settings = {}, DistanceCache* cache = nullptr);
 
 /// How deep two shapes are in each other.
 struct PenetrationResult {
-    double lower = 0.0;    ///< no translation shorter than this parts them [m]; 0 where they are not proved to overlap
-    double upper = 0.0;    ///< moving b by this along `normal` does [m]; 0 where they are apart
-    dvec3 normal{0.0};     ///< unit, from a to b, world axes; zero where they are apart
-    dvec3 on_a{0.0};       ///< the deepest points along it, from A's origin along world axes [m]
+    double lower = 0.0;  ///< no translation shorter than this parts them [m]; 0 where they are not proved to overlap
+    double upper = 0.0;  ///< moving b by this along `normal` does [m]; 0 where they are apart
+    dvec3 normal{0.0};   ///< unit, from a to b, world axes; zero where they are apart
+    dvec3 on_a{0.0};     ///< the deepest points along it, from A's origin along world axes [m]
     dvec3 on_b{0.0};
 };
 
@@ -87,8 +88,8 @@ struct PenetrationResult {
 [[nodiscard]] PenetrationResult penetration(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b);
 
 /// The distance of each of the pairs, as distance() has it; margins are not read.
-/// Hulls, boxes, spheres and capsules are searched for in floats first, sixteen pairs at a time, and the last simplex is finished in
-/// double, so witness points may be others, equally near, than those of the call for one pair. The bits do not depend on threads, on the
+/// Hulls, boxes, spheres and capsules, but not two boxes, are searched for in floats first, sixteen pairs at a time, and the last simplex is finished
+/// in double, so witness points may be others, equally near, than those of the call for one pair. The bits do not depend on threads, on the
 /// SIMD width or on what else is in the batch.
 /// @param placed, pairs  as collide() takes them, but for meshes and compounds. @param caches  (n,) or empty; pairs with caches are
 /// searched for one by one.

@@ -90,10 +90,13 @@ class Batch {
 public:
     Batch(const PlacedShapes& placed, std::span<const NumberedPair> pairs) : placed_(placed), pairs_(pairs) {}
 
-    /// Pairs that have been checked.
+    /// Pairs that have been checked; two boxes are for no lanes, which take longer than they do alone.
     void sort(std::size_t first, std::size_t count, Chunk& chunk) const noexcept {
         chunk.box_count = chunk.core_count = 0;
-        for (std::size_t i = 0; i < count; ++i) add_cores(i, pairs_[first + i], chunk);
+        for (std::size_t i = 0; i < count; ++i) {
+            const NumberedPair& p = pairs_[first + i];
+            if (!are_boxes(placed_.shapes[p.a], placed_.shapes[p.b])) add_cores(i, p, chunk);
+        }
     }
     /// Pairs that have not, two boxes for their own kernel. Whether the poses of boxes are finite is left to that: it proves nothing of others.
     /// @return whether all is well so far; what is not is left out.

@@ -1,5 +1,6 @@
 #include <carom/narrowphase/detail/convex_query.hpp>
 
+#include <carom/narrowphase/detail/box_distance.hpp>
 #include <carom/narrowphase/detail/box_verdict.hpp>
 
 #include <glm/geometric.hpp>
@@ -101,6 +102,10 @@ std::optional<PlaneHeight> plane_height(const Shape& a, const Pose& pose_a, cons
 
 DistanceResult pair_distance(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b, const DistanceSettings& settings,
                              DistanceCache* cache) noexcept {
+    const Box *const box_a = std::get_if<Box>(&a), *const box_b = std::get_if<Box>(&b);
+    if (box_a != nullptr && box_b != nullptr && cache == nullptr) {
+        if (const auto r = box_distance(box_a->half_extents, pose_a, box_b->half_extents, pose_b, settings.tolerance)) return *r;
+    }
     if (const std::optional<PlaneHeight> height = plane_height(a, pose_a, b, pose_b)) return over_plane(*height);
     const CorePair pair = core_pair(a, pose_a, b, pose_b);
     return result_of(pair, find_proximity(pair, {-1.0, settings.tolerance, settings.most_iterations}, cache));
