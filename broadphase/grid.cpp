@@ -17,6 +17,7 @@ namespace carom::detail {
 namespace {
 
 constexpr std::size_t kCellsAPiece = 256;
+constexpr std::size_t kBoxesWorthSharing = 2048;  // fewer are searched before another core has fetched the half of them
 constexpr std::size_t kMoversAPiece = 64;
 constexpr std::size_t kMostLevels = 16;
 constexpr int kMiddleLevel = 7;  // has the boxes of middling size
@@ -143,7 +144,9 @@ void Grid::find_all(const ProxyTable& table, Executor& executor, PairPieces& out
         }
     }
     out.begin(pieces_.size(), out.limit());
-    executor.parallel_for(pieces_.size(), 1, [&](std::size_t begin, std::size_t end) {
+    SerialExecutor alone;
+    Executor& threads = table.live_count < kBoxesWorthSharing ? alone : executor;
+    threads.parallel_for(pieces_.size(), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end && !out.is_full(); ++k) {
             const Piece& piece = pieces_[k];
             find_all_in_level(levels_[piece.level], piece.first, piece.last, out[k]);

@@ -126,7 +126,9 @@ struct World::Impl::SweepJudge {
         const auto motion = [&](std::uint32_t slot) { return last.paths.bodies[slot].motion; };
         const auto parted = [](std::uint32_t, std::uint32_t) { return false; };
         const auto wake = [](std::uint32_t) {};
-        return w.continuous.keep_company({w.proxies, w.broadphase, arrays, last.paths.dt, start, motion, parted, wake}, slot_a, slot_b);
+        const auto velocity = [&](std::uint32_t slot) -> const dvec3& { return last.paths.bodies[slot].start.velocity; };
+        SerialExecutor alone;
+        return w.continuous.keep_company({w.proxies, w.broadphase, arrays, last.paths.dt, alone, start, velocity, motion, parted, wake}, slot_a, slot_b);
     }
 
     [[nodiscard]] ShapeSweep judge(ShapeId a, ShapeId b) {

@@ -5,6 +5,8 @@
 #include <carom/dynamics/detail/world_impl.hpp>
 
 #include <algorithm>
+#include <atomic>
+#include <chrono>
 #include <utility>
 
 namespace carom {
@@ -39,7 +41,7 @@ Balance operator-(const Balance& after, const Balance& before) {
 void World::Impl::integrate_free_bodies(bool looked, double dt) {
     const bool follows = looked && (def.continuous.enabled || def.record_paths);
     if (follows) continuous.prepare(arrays.states.size());
-    executor().parallel_for(arrays.roles.size(), kBodyGrain, [&](std::size_t begin, std::size_t end) {
+    threads().parallel_for(arrays.roles.size(), kBodyGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t slot = begin; slot < end; ++slot) {
             const Role role = arrays.roles[slot];
             const auto number = static_cast<std::uint32_t>(slot);
@@ -54,10 +56,11 @@ void World::Impl::integrate_free_bodies(bool looked, double dt) {
 
 void World::Impl::follow(dynamics::Step& step, double dt) {
     const auto start = [&](std::uint32_t slot) -> const Pose& { return last_valid[slot].pose; };
+    const auto velocity = [&](std::uint32_t slot) -> const dvec3& { return last_valid[slot].velocity; };
     const auto motion = [&](std::uint32_t slot) { return free_motion(slot); };
     const auto parted = [&](std::uint32_t a, std::uint32_t b) { return joints.parts_any() && joints.parts(a, b); };
     const auto wake_slot = [&](std::uint32_t slot) { sleepers.wake(slot, arrays); };
-    const dynamics::ContinuousScene scene{proxies, broadphase, arrays, dt, start, motion, parted, wake_slot};
+    const dynamics::ContinuousScene scene{proxies, broadphase, arrays, dt, threads(), start, velocity, motion, parted, wake_slot};
     if (def.record_paths) {
         continuous.record(scene, paths);
         paths.ids.assign(arrays.roles.size(), BodyId{});
@@ -97,15 +100,30 @@ bool World::Impl::can_be_pushed(std::uint32_t slot, double dt) const noexcept {
 
 void World::Impl::quarantine_unusable(double dt, StepReport& report) {
     last_valid.resize(arrays.states.size());
+    const auto note = [&](std::size_t begin, std::size_t end) {
+        bool all_usable = true;
+        for (std::size_t i = begin; i < end; ++i) {
+            const std::uint32_t slot = body_order[i].slot;
+            if (arrays.roles[slot] == Role::Absent || arrays.roles[slot] == Role::Asleep) continue;
+            const dynamics::BodyState& state = arrays.states[slot];
+            if (dynamics::is_usable(state, dt) && can_be_pushed(slot, dt)) {
+                last_valid[slot] = {body_order[i], state.pose, state.velocity};
+            } else {
+                all_usable = false;
+            }
+        }
+        return all_usable;
+    };
+    std::atomic<bool> all_usable{true};
+    threads().parallel_for(body_order.size(), kBodyGrain, [&](std::size_t begin, std::size_t end) {
+        if (!note(begin, end)) all_usable.store(false, std::memory_order_relaxed);
+    });
+    if (all_usable.load(std::memory_order_relaxed)) return;
     for (const BodyId id : body_order) {
         const std::uint32_t slot = id.slot;
         if (arrays.roles[slot] == Role::Absent || arrays.roles[slot] == Role::Asleep) continue;
         dynamics::BodyState& state = arrays.states[slot];
-        if (dynamics::is_usable(state, dt) && can_be_pushed(slot, dt)) {
-            last_valid[slot].id = id;
-            last_valid[slot].pose = state.pose;
-            continue;
-        }
+        if (dynamics::is_usable(state, dt) && can_be_pushed(slot, dt)) continue;
         // A body that was never valid has no pose to go back to but the origin.
         state = {last_valid[slot].id == id ? last_valid[slot].pose : Pose{}, dvec3{0.0}, dvec3{0.0}};
         take_out(id);
@@ -118,11 +136,11 @@ void World::Impl::quarantine_unusable(double dt, StepReport& report) {
 // Who touches whom, with the impulses of the step before.
 void World::Impl::find_contacts(dynamics::Step& step, const dynamics::Motion& motion) {
     bool reuses = false;  // contacts of the step before
-    step.run(Stage::Bounds, [&] { dynamics::update_swept_bounds(proxies, arrays, motion, executor()); });
+    step.run(Stage::Bounds, [&] { dynamics::update_swept_bounds(proxies, arrays, motion, threads()); });
     step.run(Stage::Pairs, [&] {
         const ProxyChanges changes{proxies.boxes, proxies.filters, proxies.moved, proxies.removed};
         const std::uint64_t last = broadphase.result().number;
-        const PairUpdate& found = broadphase.update(changes, executor());
+        const PairUpdate& found = broadphase.update(changes, threads());
         if (found.number == last) {  // refused, which was reported: the next step asks again
             candidates.clear();
             return names.now.clear();
@@ -131,22 +149,22 @@ void World::Impl::find_contacts(dynamics::Step& step, const dynamics::Motion& mo
         step.report.boxes_given = changes.moved.size();
         step.report.boxes_removed = changes.removed.size();
         step.report.pairs_limited = found.status != PairStatus::Complete;
-        dynamics::list_candidates(proxies, arrays, found.pairs, motion.dt, executor(), candidates);
+        dynamics::list_candidates(proxies, arrays, found.pairs, motion.dt, threads(), candidate_parts, candidates);
         if (joints.parts_any()) drop_parted();
         if (sleepers.is_on()) dynamics::Sleepers::drop_idle(proxies, arrays, candidates);
-        reuses = def.contact_reuse > 0.0 && dynamics::name_candidates(proxies, def.contact_reuse, candidates, names);
+        reuses = def.contact_reuse > 0.0 && dynamics::name_candidates(proxies, def.contact_reuse, candidates, names, threads());
         step.report.pairs = candidates.size();
     });
     step.run(Stage::Collide, [&] {
         const PlacedShapes placed{proxies.shapes, proxies.poses};
         std::vector<Manifold>& found = contacts.manifolds;
         const CollideCounts counts =
-            reuses ? collide(placed, candidates, previous.manifolds, executor(), collide_scratch, found)
-                   : collide(placed, candidates, executor(), collide_scratch, found);
+            reuses ? collide(placed, candidates, previous.manifolds, threads(), collide_scratch, found)
+                   : collide(placed, candidates, threads(), collide_scratch, found);
         step.report.undecided = counts.undecided;
         step.report.reused = counts.reused;
-        dynamics::link_manifolds(contacts, [&](std::uint32_t i) { return dynamics::contact_pair(proxies, candidates[i]); }, executor());
-        dynamics::carry_impulses(contacts, previous, impulse_scale(motion.dt), executor());
+        dynamics::link_manifolds(contacts, [&](std::uint32_t i) { return dynamics::contact_pair(proxies, candidates[i]); }, threads());
+        dynamics::carry_impulses(contacts, previous, impulse_scale(motion.dt), threads());
     });
 }
 
@@ -154,8 +172,8 @@ void World::Impl::find_contacts(dynamics::Step& step, const dynamics::Motion& mo
 void World::Impl::solve_contacts(dynamics::Step& step, double dt) {
     const bool joined = !joint_solver.shared().empty();  // to bodies in contact
     solver.share(joint_solver.shared());
-    step.run(Stage::Prepare, [&] { solver.prepare(contacts, direct.held(), proxies, arrays, solver_settings(dt), executor()); });
-    const auto run = [&] { solver.run_listed(executor(), step.report.stage_ms); };  // joints come in between, or else all is run at once
+    step.run(Stage::Prepare, [&] { solver.prepare(contacts, direct.held(), proxies, arrays, solver_settings(dt), threads()); });
+    const auto run = [&] { solver.run_listed(threads(), step.report.stage_ms); };  // joints come in between, or else all is run at once
     const auto joints_do = [&](const auto& work) {
         run();
         step.run(Stage::Joints, work);
@@ -163,15 +181,15 @@ void World::Impl::solve_contacts(dynamics::Step& step, double dt) {
     for (int k = 0; k < def.substeps; ++k) {
         solver.list_velocities(k == 0 ? dynamics::WarmStart::First : dynamics::WarmStart::Again);
         if (k == 0) solver.list_warm_start();
-        if (k == 0 && joined) joints_do([&] { joint_solver.warm_start(solver, executor()); });
+        if (k == 0 && joined) joints_do([&] { joint_solver.warm_start(solver, threads()); });
         solver.list_pass(true);
-        if (joined) joints_do([&] { joint_solver.solve(solver, k, executor()); });
+        if (joined) joints_do([&] { joint_solver.solve(solver, k, threads()); });
         solver.list_positions();
         if (def.relax) solver.list_pass(false);
-        if (joined && def.relax) joints_do([&] { joint_solver.relax(solver, k, executor()); });
+        if (joined && def.relax) joints_do([&] { joint_solver.relax(solver, k, threads()); });
     }
     run();
-    step.run(Stage::Store, [&] { solver.store(arrays, contacts, executor()); });
+    step.run(Stage::Store, [&] { solver.store(arrays, contacts, threads()); });
     count_contacts(step.report, contacts, solver);
 }
 
@@ -182,14 +200,27 @@ StepReport World::step(double dt) {
     if (dt == 0.0) return {};
 
     Impl& w = *impl_;
+    if (w.executor().thread_count() == 1) return w.take_step(*this, dt);
+    const bool shared = w.def.plan == PlanMode::Everything || w.share_choice.next(w.body_order.size());
+    const auto begin = std::chrono::steady_clock::now();
+    StepReport report;
+    const auto work = [&] { report = w.take_step(*this, dt); };
+    shared ? w.team.run(w.executor(), work) : work();
+    report.total_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
+    w.share_choice.took(report.total_ms, shared);
+    return report;
+}
+
+StepReport World::Impl::take_step(const World& world, double dt) {
+    Impl& w = *this;
     w.note_substep(dt);
-    Executor& executor = w.executor();
+    Executor& executor = w.threads();
     dynamics::Step step(dt);
     step.run(Stage::Quarantine, [&] { w.quarantine_unusable(dt, step.report); });
     if (w.sleepers.is_on()) step.run(Stage::Sleep, [&] { w.wake_before_step(dt); });
     const dynamics::StepChoices choices = w.choose();
     const dynamics::Motion motion{w.def.gravity, dt};
-    const Balance before = w.def.report_balance ? balance_of(*this) : Balance{};
+    const Balance before = w.def.report_balance ? balance_of(world) : Balance{};
     if (w.def.report_residual) w.residual.remember(w.arrays);
     std::swap(w.contacts, w.previous);
     if (!choices.contacts) {  // otherwise each part is replaced below
@@ -244,7 +275,7 @@ StepReport World::step(double dt) {
     w.looked_for_contacts = choices.contacts;
     step.report.step = ++w.steps;
     if (!step.report.quarantined.empty()) step.report.residual.reset();
-    if (w.def.report_balance && step.report.quarantined.empty()) step.report.balance = balance_of(*this) - before;
+    if (w.def.report_balance && step.report.quarantined.empty()) step.report.balance = balance_of(world) - before;
     return step.finish();
 }
 

@@ -13,7 +13,7 @@
 namespace carom::detail {
 
 /// Pairs as found, each one's slots in arrays of their own and in either order, with room to write ahead.
-class PairBuffer {
+class alignas(64) PairBuffer {  // its counts are one thread's
 public:
     /// Starts anew. Once more than `limit` pairs are in, is_full() says so, and whoever adds them should stop.
     void clear(std::size_t limit) noexcept {

@@ -9,6 +9,7 @@
 namespace carom::detail {
 namespace {
 
+constexpr std::size_t kRowsWorthSharing = 2048;
 constexpr std::size_t kMostShares = 8;  // of the rows; every share reads all that was found
 
 // Calls use(a, b) for each pair found whose row lies in [first, last).
@@ -41,7 +42,7 @@ void PairSet::keep() noexcept {
 // Each share of the rows counts its pairs, then deals them out, sorts each row and compares it with what was there before.
 void PairSet::replace(const PairPieces& found, std::size_t slots, Executor& executor) {
     const auto threads = static_cast<std::size_t>(executor.thread_count());
-    const std::size_t shares = slots < 4096 ? 1 : std::min(threads, kMostShares);
+    const std::size_t shares = slots < kRowsWorthSharing ? 1 : std::min(threads, kMostShares);
     // A pair is listed with the lesser of its slots, so low rows are longer: on average row a of n has a share of (n - a) / n.
     std::array<std::size_t, kMostShares + 1> first_row{};
     for (std::size_t k = 1; k < shares; ++k) {

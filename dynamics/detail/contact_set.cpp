@@ -71,16 +71,36 @@ void for_parts(std::size_t pairs, Executor& executor, const Work& work) {
     });
 }
 
+/// Each part puts its own where it begins; then they close up.
+void list_firsts(ContactSet& contacts, Executor& executor) {
+    const std::vector<Manifold>& manifolds = contacts.manifolds;
+    std::vector<std::uint32_t>& firsts = contacts.firsts;
+    firsts.resize(manifolds.size() + 1);
+    contacts.first_counts.assign(part_count(manifolds.size()), 0);
+    for_parts(manifolds.size(), executor, [&](std::size_t part, std::size_t begin, std::size_t end) {
+        std::size_t next = begin;
+        for (std::size_t m = begin; m < end; ++m) {
+            firsts[next] = static_cast<std::uint32_t>(m);
+            next += m == 0 || manifolds[m].pair != manifolds[m - 1].pair ? 1 : 0;
+        }
+        contacts.first_counts[part] = static_cast<std::uint32_t>(next - begin);
+    });
+    std::size_t count = 0;
+    for (std::size_t part = 0; part < contacts.first_counts.size(); ++part) {
+        const auto from = firsts.begin() + static_cast<std::ptrdiff_t>(part * kPart);
+        std::copy(from, from + contacts.first_counts[part], firsts.begin() + static_cast<std::ptrdiff_t>(count));
+        count += contacts.first_counts[part];
+    }
+    firsts.resize(count + 1);
+    firsts[count] = static_cast<std::uint32_t>(manifolds.size());
+}
+
 }  // namespace
 
 void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t candidate)> make, Executor& executor) {
     std::vector<Manifold>& manifolds = contacts.manifolds;
-    contacts.firsts.clear();
-    for (std::uint32_t m = 0; m < manifolds.size(); ++m) {
-        if (m == 0 || manifolds[m].pair != manifolds[m - 1].pair) contacts.firsts.push_back(m);
-    }
-    const std::size_t count = contacts.firsts.size();
-    contacts.firsts.push_back(static_cast<std::uint32_t>(manifolds.size()));
+    list_firsts(contacts, executor);
+    const std::size_t count = contacts.firsts.size() - 1;
     contacts.pairs.resize(count);
     contacts.parts.assign(part_count(count), {});
     for_parts(count, executor, [&](std::size_t part, std::size_t begin, std::size_t end) {

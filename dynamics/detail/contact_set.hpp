@@ -15,7 +15,7 @@ namespace carom::dynamics {
 
 /// Two shapes that have manifolds. Pairs are sorted by key.
 struct ContactPair {
-    std::uint64_t key = 0;   ///< slots of the two shapes, and a bit that sorts planes after the rest
+    std::uint64_t key = 0;  ///< slots of the two shapes, and a bit that sorts planes after the rest
     ShapeId shape_a, shape_b;
     BodyId body_a, body_b;
     std::uint32_t proxy_a = 0, proxy_b = 0;  ///< slots of the shapes
@@ -33,9 +33,9 @@ using ManifoldImpulses = std::array<PointImpulse, kMaxManifoldPoints>;
 /// Largest and mean penetration by the manifolds themselves.
 struct ContactSummary {
     std::size_t points = 0;
-    std::size_t touching = 0;        ///< separation <= 0
-    double max_penetration = 0.0;    ///< [m]
-    double mean_penetration = 0.0;   ///< over the touching points [m]
+    std::size_t touching = 0;       ///< separation <= 0
+    double max_penetration = 0.0;   ///< [m]
+    double mean_penetration = 0.0;  ///< over the touching points [m]
 };
 
 struct ContactSet {
@@ -44,6 +44,7 @@ struct ContactSet {
     std::vector<ManifoldImpulses> impulses;   ///< one for each manifold
     ContactSummary summary;                   ///< of the manifolds
     std::vector<std::uint32_t> firsts;        ///< of each pair its first manifold, and the end: while pairs are made
+    std::vector<std::uint32_t> first_counts;  ///< of each part of the manifolds, likewise
     std::vector<ContactSummary> parts;        ///< of the summary, while it is made
 
     void clear() noexcept {

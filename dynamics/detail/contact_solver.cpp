@@ -5,16 +5,18 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <utility>
 
 namespace carom::dynamics {
 namespace {
 
+constexpr std::int32_t kTouched = -2;
 constexpr std::size_t kBodyGrain = 128;
-constexpr std::size_t kBundleGrain = 32;  // some 10 µs to prepare
-constexpr std::size_t kPassBundleGrain = 4;
-constexpr std::size_t kPointsOfAColor = 800;  // in the mean; with fewer, waiting for each other takes threads longer than they save
+constexpr std::size_t kBundlesAtOnce = 16;
+constexpr std::size_t kPointsWorthSharing = 1500;  // with fewer, waiting for each other takes threads longer than they save
+constexpr std::size_t kKinds = kMaxManifoldPoints + 1;
 constexpr std::size_t kManifoldGrain = 128;
 
 template <std::size_t n>
@@ -50,26 +52,30 @@ void ContactSolver::prepare(const ContactSet& contacts, std::span<const unsigned
     soft_ = soft_contact(frequency, settings.damping, h);
     soft_fixed_ = soft_contact(2.0 * frequency, settings.damping, h);
 
-    assign_rows(contacts, held, bodies);
+    point_count_ = contacts.summary.points;
+    part_count_ = point_count_ >= kPointsWorthSharing ? std::min(PhaseLoop::part_count(executor), BodyParts::kMostParts) : 1;
+    mark_rows(contacts, held, bodies);
+    number_rows(contacts, bodies);
     fill_rows(bodies, executor);
     rules_.list(bodies, slot_of_row_, rows_.movable, h);
     fill_sides(proxies, bodies, executor);
     fill_manifold_rows(contacts, executor);
     coloring_.color(contact_rows_, rows_.movable);
-    sort_by_points(PhaseLoop::part_count(executor));
+    sort_by_points();
     lay_out_bundles();
     const PrepareInput input{manifold_rows_, contacts.manifolds, contacts.impulses, rows_, soft_, soft_fixed_};
-    executor.parallel_for(bundles_.size(), kBundleGrain, [&](std::size_t begin, std::size_t end) {
-        prepare_bundles(std::span{bundles_}.subspan(begin, end - begin), input);
+    deep_count_ = 0;
+    for_bundles(executor, [&](std::span<ContactBundle> some) {
+        for (ContactBundle& bundle : some) fill_lanes(bundle);
+        prepare_bundles(some, input);
+        std::size_t deep = 0;
+        for (const ContactBundle& bundle : some) deep += static_cast<std::size_t>(bundle.deep);
+        if (deep > 0) std::atomic_ref(deep_count_).fetch_add(deep, std::memory_order_relaxed);
     });
     settings.resists ? rolling_.list({contacts, proxies, rows_, bundles_}, h) : rolling_.clear();
-    point_count_ = contacts.summary.points;
-    deep_count_ = 0;
-    for (const ContactBundle& bundle : bundles_) deep_count_ += static_cast<std::size_t>(bundle.deep);
 }
 
-void ContactSolver::assign_rows(const ContactSet& contacts, std::span<const unsigned char> held, const BodyArrays& bodies) {
-    constexpr std::int32_t kTouched = -2;
+void ContactSolver::mark_rows(const ContactSet& contacts, std::span<const unsigned char> held, const BodyArrays& bodies) {
     row_of_slot_.assign(bodies.roles.size(), kNoRow);
     for (const ContactPair& pair : contacts.pairs) {
         if (pair.flies) continue;
@@ -81,14 +87,37 @@ void ContactSolver::assign_rows(const ContactSet& contacts, std::span<const unsi
         if (held[slot] != 0) row_of_slot_[slot] = kNoRow;
     }
     for (const std::uint32_t slot : shared_) row_of_slot_[slot] = kTouched;
+}
+
+// Dynamic bodies by their parts, then kinematic ones.
+void ContactSolver::number_rows(const ContactSet& contacts, const BodyArrays& bodies) {
+    const std::size_t parts = part_count_;
     slot_of_row_.clear();
-    for (const Role role : {Role::Dynamic, Role::Kinematic}) {
-        for (std::uint32_t slot = 0; slot < row_of_slot_.size(); ++slot) {
-            if (row_of_slot_[slot] != kTouched || bodies.roles[slot] != role) continue;
-            row_of_slot_[slot] = static_cast<std::int32_t>(slot_of_row_.size());
-            slot_of_row_.push_back(slot);
-        }
-        if (role == Role::Dynamic) rows_.movable = static_cast<std::int32_t>(slot_of_row_.size());
+    std::array<std::uint32_t, BodyParts::kMostParts + 1> next{};
+    std::size_t kinematic = 0;
+    for (std::uint32_t slot = 0; slot < row_of_slot_.size(); ++slot) {
+        if (row_of_slot_[slot] != kTouched) continue;
+        if (bodies.roles[slot] == Role::Dynamic) slot_of_row_.push_back(slot);
+        if (bodies.roles[slot] == Role::Kinematic) ++kinematic;
+    }
+    rows_.movable = static_cast<std::int32_t>(slot_of_row_.size());
+    parts_.resize(row_of_slot_.size());
+    if (parts > 1) parts_.keep_up(slot_of_row_, contacts.pairs, bodies.states, parts);
+    for (const std::uint32_t slot : slot_of_row_) ++next[parts_.of(slot) + 1];
+    for (std::size_t part = 0; part < BodyParts::kMostParts; ++part) next[part + 1] += next[part];
+    part_rows_ = next;
+    for (std::size_t part = parts; part < next.size(); ++part) part_rows_[part] = static_cast<std::uint32_t>(rows_.movable);
+    slot_of_row_.resize(slot_of_row_.size() + kinematic);
+    all_parts_ = part_rows_;
+    all_parts_[parts] = static_cast<std::uint32_t>(slot_of_row_.size());
+    auto last = static_cast<std::uint32_t>(rows_.movable);
+    for (std::uint32_t slot = 0; slot < row_of_slot_.size(); ++slot) {
+        if (row_of_slot_[slot] != kTouched) continue;
+        const Role role = bodies.roles[slot];
+        if (role != Role::Dynamic && role != Role::Kinematic) continue;
+        const std::uint32_t row = role == Role::Dynamic ? next[parts_.of(slot)]++ : last++;
+        row_of_slot_[slot] = static_cast<std::int32_t>(row);
+        slot_of_row_[row] = slot;
     }
 }
 
@@ -107,6 +136,7 @@ void ContactSolver::fill_rows(const BodyArrays& bodies, Executor& executor) {
             set(rows_.bodies[row].velocity, state.velocity);
             set(rows_.bodies[row].spin, state.spin);
             if (row >= static_cast<std::size_t>(rows_.movable)) continue;
+            if (part_count_ > 1) parts_.note(slot_of_row_[row], state.pose.position);  // for the next step
             const BodyMass& mass = bodies.masses[slot_of_row_[row]];
             const SymmetricInertia inertia = symmetric_inverse_inertia(state, mass);
             SolverMass& m = rows_.masses[row];
@@ -140,6 +170,7 @@ void ContactSolver::fill_sides(const ProxySet& proxies, const BodyArrays& bodies
 void ContactSolver::fill_manifold_rows(const ContactSet& contacts, Executor& executor) {
     const std::size_t count = contacts.manifolds.size();
     contact_rows_.resize(count);
+    kinds_.resize(count);
     manifold_rows_.resize(count + 1);
     manifold_rows_[count] = {.row_a = static_cast<std::int32_t>(slot_of_row_.size()),
                              .row_b = static_cast<std::int32_t>(slot_of_row_.size())};
@@ -148,6 +179,7 @@ void ContactSolver::fill_manifold_rows(const ContactSet& contacts, Executor& exe
             const ContactPair& pair = contacts.pairs[contacts.manifolds[m].pair];
             manifold_rows_[m] = row_of(contacts.manifolds[m], sides_[pair.proxy_a], sides_[pair.proxy_b]);
             contact_rows_[m] = {manifold_rows_[m].row_a, manifold_rows_[m].row_b};
+            kinds_[m] = kind_of(manifold_rows_[m]);
         }
     });
 }
@@ -174,24 +206,30 @@ ManifoldRow ContactSolver::row_of(const Manifold& manifold, const Side& a, const
     return row;
 }
 
-void ContactSolver::sort_by_points(std::size_t parts) {
+// Of two parts it is the lower one's.
+std::uint8_t ContactSolver::kind_of(const ManifoldRow& row) const {
+    const auto body = static_cast<std::uint32_t>(std::min(row.row_a, row.row_b));
+    std::size_t part = 0;
+    for (std::size_t k = 1; k < part_count_; ++k) part += body >= part_rows_[k] ? 1 : 0;
+    return static_cast<std::uint8_t>(part * kKinds + (kMaxManifoldPoints - static_cast<std::size_t>(row.count)));
+}
+
+void ContactSolver::sort_by_points() {
+    const std::size_t parts = part_count_;
     const std::span<const std::uint32_t> order = coloring_.order();
     const std::span<const std::uint32_t> starts = coloring_.starts();
     lane_order_.assign(order.begin(), order.end());
-    constexpr std::size_t kKinds = kMaxManifoldPoints + 1;
-    const std::uint64_t parts_of_a_row = (std::uint64_t{parts} << 32) / static_cast<std::uint64_t>(std::max(1, rows_.movable));  // in 2^-32
     std::vector<std::uint32_t>& place = places_;  // of the next one of a part with so many points
-    const auto kind = [&](std::uint32_t m) {
-        const ManifoldRow& row = manifold_rows_[m];
-        const auto body = static_cast<std::uint64_t>(std::min(row.row_a, row.row_b));
-        return std::min<std::size_t>(parts - 1, body * parts_of_a_row >> 32) * kKinds + (kMaxManifoldPoints - static_cast<std::size_t>(row.count));
-    };
+    color_parts_.clear();
     for (std::size_t c = 0; c + 1 < starts.size(); ++c) {
         place.assign(parts * kKinds, 0);
-        for (std::uint32_t i = starts[c]; i < starts[c + 1]; ++i) ++place[kind(order[i])];
+        for (std::uint32_t i = starts[c]; i < starts[c + 1]; ++i) ++place[kinds_[order[i]]];
         std::uint32_t next = starts[c];
         for (std::uint32_t& p : place) next += std::exchange(p, next);
-        for (std::uint32_t i = starts[c]; i < starts[c + 1]; ++i) lane_order_[place[kind(order[i])]++] = order[i];
+        for (std::size_t part = 0; part < parts; ++part)
+            color_parts_.push_back((place[part * kKinds] - starts[c] + kLanesPerBundle / 2) / kLanesPerBundle);
+        color_parts_.push_back((starts[c + 1] - starts[c] + kLanesPerBundle - 1) / kLanesPerBundle);
+        for (std::uint32_t i = starts[c]; i < starts[c + 1]; ++i) lane_order_[place[kinds_[order[i]]]++] = order[i];
     }
 }
 
@@ -206,40 +244,72 @@ void ContactSolver::lay_out_bundles() {
     }
     first_overflow_bundle_ = bundle_count;
     bundles_.resize(bundle_count + coloring_.overflow_count());
+    lanes_.resize(bundles_.size());
     for (std::size_t c = 0; c + 1 < starts.size(); ++c) {
         for (std::uint32_t b = 0; b < colors_[c].count; ++b) {
-            for (std::uint32_t lane = 0; lane < kLanesPerBundle; ++lane) {
-                const std::uint32_t i = starts[c] + b * kLanesPerBundle + lane;
-                bundles_[colors_[c].first + b].manifold[lane] = i < starts[c + 1] ? lane_order_[i] : kUnusedLane;
-            }
+            const std::uint32_t first = starts[c] + b * kLanesPerBundle;
+            lanes_[colors_[c].first + b] = {first, std::min(first + kLanesPerBundle, starts[c + 1])};
         }
     }
-    for (std::uint32_t i = 0; i < coloring_.overflow_count(); ++i) {
-        ContactBundle& bundle = bundles_[first_overflow_bundle_ + i];
-        bundle.manifold.fill(kUnusedLane);
-        bundle.manifold[0] = lane_order_[starts.back() + i];
-    }
+    for (std::uint32_t i = 0; i < coloring_.overflow_count(); ++i)
+        lanes_[first_overflow_bundle_ + i] = {starts.back() + i, starts.back() + i + 1};
 }
 
-void ContactSolver::list(std::size_t count, std::size_t grain, Stage stage, const Task& task) {
-    phases_.push_back({.count = count, .grain = grain, .label = static_cast<int>(stage)});
+void ContactSolver::fill_lanes(ContactBundle& bundle) const {
+    const Lanes lanes = lanes_[static_cast<std::size_t>(&bundle - bundles_.data())];
+    bundle.manifold.fill(kUnusedLane);
+    std::copy(lane_order_.begin() + lanes.begin, lane_order_.begin() + lanes.end, bundle.manifold.begin());
+}
+
+// Each thread those of its part, colour by colour. So few at a time that they are in the cache when `work` comes back to them.
+void ContactSolver::for_bundles(Executor& executor, FunctionRef<void(std::span<ContactBundle> some)> work) {
+    const auto work_on = [&](std::size_t first, std::size_t count) {
+        for (std::size_t i = 0; i < count; i += kBundlesAtOnce)
+            work(std::span{bundles_}.subspan(first + i, std::min(kBundlesAtOnce, count - i)));
+    };
+    if (part_count_ == 1) return work_on(0, bundles_.size());
+    const auto work_on_parts = [&](std::size_t, std::size_t begin, std::size_t end) {
+        for (std::size_t part = begin; part < end; ++part) {
+            const std::uint32_t* starts = color_parts_.data() + part;
+            for (const Color& color : colors_) {
+                work_on(color.first + starts[0], starts[1] - starts[0]);
+                starts += part_count_ + 1;
+            }
+            if (part == 0) work_on(first_overflow_bundle_, bundles_.size() - first_overflow_bundle_);
+        }
+    };
+    const std::array<Phase, 1> one{Phase{.count = part_count_}};
+    loop_.run(one, executor, work_on_parts, {});
+}
+
+void ContactSolver::list(std::size_t count, Stage stage, const Task& task, const std::uint32_t* starts) {
+    phases_.push_back({.count = count, .label = static_cast<int>(stage), .starts = starts});
     tasks_.push_back(task);
 }
 
 void ContactSolver::list_velocities(WarmStart warm_start) {
-    list(static_cast<std::size_t>(rows_.movable), kBodyGrain, Stage::Velocities, {.work = Work::Kick, .warm_start = warm_start});
-    if (rules_.damp_any()) list(1, 1, Stage::Velocities, {.work = Work::Damp});
+    list(static_cast<std::size_t>(rows_.movable), Stage::Velocities, {.work = Work::Kick, .warm_start = warm_start}, part_rows_.data());
+    if (rules_.damp_any()) list(1, Stage::Velocities, {.work = Work::Damp});
 }
 
 void ContactSolver::list_contacts(Stage stage, const Task& task) {
-    for (const Color& color : colors_) {
-        Task of_color = task;
-        of_color.first_bundle = color.first;
-        list(color.count, kPassBundleGrain, stage, of_color);
+    const std::uint32_t* starts = color_parts_.data();
+    for (std::uint32_t c = 0; c < colors_.size(); ++c, starts += part_count_ + 1) {
+        Task some = task;
+        some.first_color = some.end_color = c;
+        while (some.end_color < colors_.size() && colors_[some.end_color].count == 1) ++some.end_color;
+        if (some.end_color > c) {  // there is nothing to share
+            list(1, stage, some);
+            starts += (some.end_color - 1 - c) * (part_count_ + 1);
+            c = some.end_color - 1;
+            continue;
+        }
+        some.first_bundle = colors_[c].first;
+        list(colors_[c].count, stage, some, starts);
     }
     Task rest = task;
     rest.work = task.work == Work::WarmStart ? Work::WarmStartRest : Work::SolveRest;
-    if (first_overflow_bundle_ < bundles_.size() || !rolling_.is_empty() || rules_.lock_any()) list(1, 1, stage, rest);
+    if (first_overflow_bundle_ < bundles_.size() || !rolling_.is_empty() || rules_.lock_any()) list(1, stage, rest);
 }
 
 void ContactSolver::list_warm_start() { list_contacts(Stage::WarmStart, {.work = Work::WarmStart}); }
@@ -252,15 +322,14 @@ void ContactSolver::list_pass(bool bias) {
 
 void ContactSolver::list_positions() {
     gaps_known_ = false;
-    list(slot_of_row_.size(), kBodyGrain, Stage::Positions, {.work = Work::Advance});
+    list(slot_of_row_.size(), Stage::Positions, {.work = Work::Advance}, all_parts_.data());
 }
 
 void ContactSolver::run_listed(Executor& executor, std::span<double> milliseconds) {
     SerialExecutor alone;
-    Executor& threads = point_count_ < kPointsOfAColor * std::max<std::size_t>(1, colors_.size()) ? alone : executor;
     loop_.run(
-        phases_, threads, [this](std::size_t phase, std::size_t begin, std::size_t end) { run_task(tasks_[phase], begin, end); },
-        milliseconds);
+        phases_, part_count_ > 1 ? executor : alone,
+        [this](std::size_t phase, std::size_t begin, std::size_t end) { run_task(tasks_[phase], begin, end); }, milliseconds);
     phases_.clear();
     tasks_.clear();
 }
@@ -268,7 +337,10 @@ void ContactSolver::run_listed(Executor& executor, std::span<double> millisecond
 void ContactSolver::run_task(const Task& task, std::size_t begin, std::size_t end) {
     const std::span<ContactBundle> all{bundles_};
     const std::span<ContactBundle> overflow = all.subspan(first_overflow_bundle_);  // these may share bodies
-    const auto bundles = [&] { return all.subspan(task.first_bundle + begin, end - begin); };
+    const auto for_some = [&](const auto& work) {
+        if (task.first_color == task.end_color) return work(all.subspan(task.first_bundle + begin, end - begin));
+        for (std::uint32_t c = task.first_color; c < task.end_color; ++c) work(all.subspan(colors_[c].first, colors_[c].count));
+    };
     switch (task.work) {
         case Work::Kick:
             kick(rows_, begin, end, task.warm_start);
@@ -277,10 +349,10 @@ void ContactSolver::run_task(const Task& task, std::size_t begin, std::size_t en
             rules_.damp(rows_);
             break;
         case Work::WarmStart:
-            dynamics::warm_start(bundles(), rows_);
+            for_some([&](std::span<ContactBundle> some) { dynamics::warm_start(some, rows_); });
             break;
         case Work::Solve:
-            dynamics::solve(bundles(), rows_, task.settings);
+            for_some([&](std::span<ContactBundle> some) { dynamics::solve(some, rows_, task.settings); });
             break;
         case Work::WarmStartRest:
             for (std::size_t i = 0; i < overflow.size(); ++i) dynamics::warm_start(overflow.subspan(i, 1), rows_);
@@ -298,7 +370,7 @@ void ContactSolver::run_task(const Task& task, std::size_t begin, std::size_t en
     }
 }
 
-void ContactSolver::store(BodyArrays& bodies, ContactSet& contacts, Executor& executor) const {
+void ContactSolver::store(BodyArrays& bodies, ContactSet& contacts, Executor& executor) {
     executor.parallel_for(static_cast<std::size_t>(rows_.movable), kBodyGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
             const SolverBody& r = rows_.bodies[row];
@@ -310,9 +382,7 @@ void ContactSolver::store(BodyArrays& bodies, ContactSet& contacts, Executor& ex
             state.pose.orientation = glm::normalize(turn * state.pose.orientation);
         }
     });
-    executor.parallel_for(bundles_.size(), kBundleGrain, [&](std::size_t begin, std::size_t end) {
-        store_impulses(std::span{bundles_}.subspan(begin, end - begin), contacts.impulses);
-    });
+    for_bundles(executor, [&](std::span<ContactBundle> some) { store_impulses(some, contacts.impulses); });
 }
 
 }  // namespace carom::dynamics

@@ -7,6 +7,7 @@
 
 #include <carom/core/executor.hpp>
 #include <carom/dynamics/detail/body_kernels.hpp>
+#include <carom/dynamics/detail/body_parts.hpp>
 #include <carom/dynamics/detail/body_state.hpp>
 #include <carom/dynamics/detail/coloring.hpp>
 #include <carom/dynamics/detail/contact_bundle.hpp>
@@ -20,6 +21,7 @@
 #include <carom/dynamics/detail/row_rules.hpp>
 #include <carom/dynamics/stage.hpp>
 
+#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -61,7 +63,7 @@ public:
     void run_listed(Executor& executor, std::span<double> milliseconds);
 
     /// Writes the bodies' new states and the contacts' impulses back.
-    void store(BodyArrays& bodies, ContactSet& contacts, Executor& executor) const;
+    void store(BodyArrays& bodies, ContactSet& contacts, Executor& executor);
 
     /// @return whether any contact holds the body in `slot` in this step: it is the solver's, not the free integrator's.
     [[nodiscard]] bool holds(std::uint32_t slot) const noexcept { return row_of_slot_[slot] != kNoRow; }
@@ -79,23 +81,33 @@ private:
         std::int32_t row = 0;
         bool is_static = false;
     };
-    void assign_rows(const ContactSet& contacts, std::span<const unsigned char> held, const BodyArrays& bodies);
+    /// Of a bundle, in lane_order_.
+    struct Lanes {
+        std::uint32_t begin = 0, end = 0;
+    };
+    void mark_rows(const ContactSet& contacts, std::span<const unsigned char> held, const BodyArrays& bodies);
+    void number_rows(const ContactSet& contacts, const BodyArrays& bodies);
     void fill_rows(const BodyArrays& bodies, Executor& executor);
     void fill_sides(const ProxySet& proxies, const BodyArrays& bodies, Executor& executor);
     void fill_manifold_rows(const ContactSet& contacts, Executor& executor);
     [[nodiscard]] ManifoldRow row_of(const Manifold& manifold, const Side& a, const Side& b) const;
     /// Within a colour the order is free: manifolds of as many points share bundles, so that few lanes idle, and those of like bodies lie in
     /// one part of it, so that a thread finds most of its bodies where it left them.
-    void sort_by_points(std::size_t parts);
+    void sort_by_points();
+    [[nodiscard]] std::uint8_t kind_of(const ManifoldRow& row) const;
     void lay_out_bundles();
+    void fill_lanes(ContactBundle& bundle) const;
+    /// Calls `work` for all bundles, some at a time, from several threads.
+    void for_bundles(Executor& executor, FunctionRef<void(std::span<ContactBundle> some)> work);
     enum class Work : unsigned char { Kick, Damp, WarmStart, WarmStartRest, Solve, SolveRest, Advance };
     struct Task {
         Work work = Work::Kick;
         WarmStart warm_start = WarmStart::First;
         std::uint32_t first_bundle = 0;
+        std::uint32_t first_color = 0, end_color = 0;  ///< where these differ, colours of few bundles, one after the other
         SolveSettings settings{};
     };
-    void list(std::size_t count, std::size_t grain, Stage stage, const Task& task);
+    void list(std::size_t count, Stage stage, const Task& task, const std::uint32_t* starts = nullptr);
     /// The colours one after the other, then what has to be alone.
     void list_contacts(Stage stage, const Task& task);
     void run_task(const Task& task, std::size_t begin, std::size_t end);
@@ -109,13 +121,19 @@ private:
     std::vector<std::uint32_t> slot_of_row_;
     std::vector<std::int32_t> row_of_slot_;
     std::vector<std::uint32_t> shared_;
+    BodyParts parts_;
+    std::size_t part_count_ = 1;
+    std::array<std::uint32_t, BodyParts::kMostParts + 1> part_rows_{}, all_parts_{};  // first row of each part, and the end: without kinematic bodies and with them
+    std::vector<std::uint32_t> color_parts_;    // of each colour, the first bundle of each part, counted from its own first, and the end
     std::vector<Side> sides_;                  // by slot of shapes
     std::vector<ManifoldRow> manifold_rows_;   // and one for unused lanes
     std::vector<ContactRows> contact_rows_;    // per manifold
+    std::vector<std::uint8_t> kinds_;          // per manifold: its part and number of points
     Coloring coloring_;
     std::vector<std::uint32_t> places_;        // scratch of sort_by_points()
     std::vector<std::uint32_t> lane_order_;    // of manifolds: by colour, then by part and falling number of points
     std::vector<Color> colors_;
+    std::vector<Lanes> lanes_;                 // of each bundle
     std::vector<ContactBundle> bundles_;
     std::uint32_t first_overflow_bundle_ = 0;  // these are solved one after the other
     std::size_t deep_count_ = 0;

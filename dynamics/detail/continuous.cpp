@@ -1,6 +1,7 @@
 #include <carom/dynamics/detail/continuous.hpp>
 
 #include <carom/broadphase/queries.hpp>
+#include <carom/dynamics/detail/strays.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -11,6 +12,16 @@ namespace {
 
 // By how much a piece of a path may bend: shares of the smallest extent, and of the reach.
 constexpr double kBendShare = 0.01, kReachShare = 2e-4;
+
+constexpr std::size_t kSlotGrain = 256;
+
+/// Replaces `slots` by those that are marked, ascending.
+void list_marked(std::span<const unsigned char> marks, std::vector<std::uint32_t>& slots) {
+    slots.clear();
+    for (std::uint32_t slot = 0; slot < marks.size(); ++slot) {
+        if (marks[slot] != 0) slots.push_back(slot);
+    }
+}
 
 bool moves(Role role) noexcept { return role == Role::Dynamic || role == Role::Kinematic; }
 
@@ -131,42 +142,37 @@ void Continuous::record(const ContinuousScene& scene, StepPaths& paths) {
 
 bool Continuous::look(const ContinuousScene& scene) {
     counts_ = {};
-    fast_.clear();
     if (!sizes_known_) list_bodies(scene);
-    for (std::uint32_t slot = 0; slot < scene.bodies.roles.size(); ++slot) {
-        if (is_fast(scene, slot) && is_usable(scene.bodies.states[slot], scene.dt)) fast_.push_back(slot);
-    }
+    is_fast_.resize(scene.bodies.roles.size());
+    scene.executor.parallel_for(is_fast_.size(), kSlotGrain, [&](std::size_t begin, std::size_t end) {
+        for (auto slot = static_cast<std::uint32_t>(begin); slot < end; ++slot) {
+            is_fast_[slot] = is_fast(scene, slot) && is_usable(scene.bodies.states[slot], scene.dt) ? 1 : 0;
+        }
+    });
+    list_marked(is_fast_, fast_);
     counts_.followed = fast_.size();
     return !fast_.empty();
 }
 
-// Whether a shape went where the broadphase does not expect it.
-bool Continuous::strays(const ContinuousScene& scene, std::uint32_t proxy) const {
-    const Proxy& p = scene.proxies.by_slot[proxy];
-    const Pose& from = scene.start(p.body);
-    const BodyState& to = scene.bodies.states[p.body];
-    const double turn = std::min(glm::length(to.spin) * scene.dt, 2.0);
-    const Aabb ends = merge(bounds(p.shape, from * p.local), bounds(p.shape, to.pose * p.local));
-    const FloatAabb way = round_outward(inflate(ends, 0.5 * p.reach * turn * turn), scene.proxies.origin);
-    const FloatAabb& known = scene.proxies.boxes[proxy];
-    return glm::any(glm::lessThan(way.lower, known.lower)) || glm::any(glm::greaterThan(way.upper, known.upper));
+// A kinematic body goes where its velocity takes it, and what moves less than gravity may move it stays in its boxes.
+bool Continuous::may_stray(const ContinuousScene& scene, std::uint32_t slot) const {
+    if (scene.bodies.roles[slot] != Role::Dynamic || !is_usable(scene.bodies.states[slot], scene.dt)) return false;
+    const double pulled = glm::length(scene.free_motion(slot).acceleration) * scene.dt * scene.dt;
+    return motion_of(scene.start(slot), scene.bodies.states[slot], sizes_[slot].reach, scene.dt) > pulled;
 }
 
 void Continuous::list_strays(const ContinuousScene& scene) {
-    strays_.clear();
-    is_stray_.assign(scene.bodies.roles.size(), 0);
-    for (std::uint32_t slot = 0; slot < scene.bodies.roles.size(); ++slot) {
-        // A kinematic body goes where its velocity takes it, and what moves less than gravity may move it stays in its boxes.
-        if (scene.bodies.roles[slot] != Role::Dynamic || !is_usable(scene.bodies.states[slot], scene.dt)) continue;
-        const double pulled = glm::length(scene.free_motion(slot).acceleration) * scene.dt * scene.dt;
-        if (motion_of(scene.start(slot), scene.bodies.states[slot], sizes_[slot].reach, scene.dt) <= pulled) continue;
-        for (std::uint32_t k = first_proxy_[slot]; k < first_proxy_[slot + 1]; ++k) {
-            if (!strays(scene, proxies_[k])) continue;
-            strays_.push_back(slot);
-            is_stray_[slot] = 1;
-            break;
+    is_stray_.resize(scene.bodies.roles.size());
+    scene.executor.parallel_for(is_stray_.size(), kSlotGrain, [&](std::size_t begin, std::size_t end) {
+        for (auto slot = static_cast<std::uint32_t>(begin); slot < end; ++slot) {
+            const auto proxies = std::span{proxies_}.subspan(first_proxy_[slot], first_proxy_[slot + 1] - first_proxy_[slot]);
+            const BodyWay step{scene.start(slot), scene.start_velocity(slot), scene.bodies.states[slot], scene.dt};
+            is_stray_[slot] = may_stray(scene, slot) && std::any_of(proxies.begin(), proxies.end(), [&](std::uint32_t proxy) {
+                return !surely_stays(scene.proxies, proxy, step) && strays(scene.proxies, proxy, step);
+            }) ? 1 : 0;
         }
-    }
+    });
+    list_marked(is_stray_, strays_);
 }
 
 BodyState Continuous::state_at(const ContinuousScene& scene, const Mover& mover, double t) const {

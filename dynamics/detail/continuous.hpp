@@ -39,7 +39,9 @@ struct ContinuousScene {
     const Broadphase& broadphase;
     BodyArrays& bodies;
     double dt = 0.0;
+    Executor& executor;
     FunctionRef<const Pose&(std::uint32_t slot)> start;             ///< of the principal frame, at the start of the step
+    FunctionRef<const dvec3&(std::uint32_t slot)> start_velocity;
     FunctionRef<FreeMotion(std::uint32_t slot)> free_motion;
     FunctionRef<bool(std::uint32_t a, std::uint32_t b)> parted;     ///< by a joint: they do not meet
     FunctionRef<void(std::uint32_t slot)> wake;
@@ -132,7 +134,7 @@ private:
     [[nodiscard]] FollowFinding finding_of(const ContinuousScene& scene, std::uint32_t slot) const;
     [[nodiscard]] bool is_fast(const ContinuousScene& scene, std::uint32_t slot) const;
     void list_strays(const ContinuousScene& scene);
-    [[nodiscard]] bool strays(const ContinuousScene& scene, std::uint32_t proxy) const;
+    [[nodiscard]] bool may_stray(const ContinuousScene& scene, std::uint32_t slot) const;
 
     std::uint32_t mover_of(const ContinuousScene& scene, std::uint32_t slot);
     void lay_path(const ContinuousScene& scene, Mover& mover) const;
@@ -143,6 +145,8 @@ private:
     void for_each_near(const ContinuousScene& scene, const Mover& mover, std::uint32_t proxy, Ask ask, FunctionRef<void(std::uint32_t q)> visit);
     /// Pairs that the broadphase found for this step hold for who stayed in his boxes; who strayed asks anew.
     void search_from_start(const ContinuousScene& scene);
+    /// Those of the broadphase's pairs with somebody fast and nobody astray, in parts that follow each other.
+    void list_fast_pairs(const ContinuousScene& scene, std::span<const ProxyPair> found);
     /// keep_company() of the rest of a step, by the velocities that the two have now.
     [[nodiscard]] bool stay_together(const ContinuousScene& scene, std::uint32_t slot_a, std::uint32_t slot_b) const;
     [[nodiscard]] bool may_meet(const ContinuousScene& scene, std::uint32_t p, std::uint32_t q) const;
@@ -180,6 +184,10 @@ private:
     std::vector<std::uint32_t> strays_;        // slots
     std::vector<unsigned char> is_stray_;      // by slot
     std::vector<std::uint32_t> mover_of_slot_;
+    struct alignas(64) FastPairs {             // what one thread found
+        std::vector<ProxyPair> pairs;
+    };
+    std::vector<FastPairs> fast_pairs_;
     std::deque<Mover> movers_;
     std::size_t mover_count_ = 0;              // those beyond keep their memory
     std::vector<Event> events_;                // a heap

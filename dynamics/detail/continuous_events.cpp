@@ -30,8 +30,6 @@ void Continuous::run(const ContinuousScene& scene) {
     mover_of_slot_.assign(slots, kNone);
     mover_count_ = 0;
     events_.clear();
-    is_fast_.assign(slots, 0);
-    for (const std::uint32_t slot : fast_) is_fast_[slot] = 1;
     const auto followed = static_cast<std::int64_t>(fast_.size());
     budget_ = kLeastBudget + kBudgetPerBody * followed;
     most_pairs_ = static_cast<std::size_t>(kLeastPairs + kPairsPerBody * followed);
@@ -53,15 +51,32 @@ void Continuous::run(const ContinuousScene& scene) {
     paths_ = nullptr;
 }
 
+void Continuous::list_fast_pairs(const ContinuousScene& scene, std::span<const ProxyPair> found) {
+    constexpr std::size_t kPart = 4096;
+    const std::size_t parts = (found.size() + kPart - 1) / kPart;
+    if (fast_pairs_.size() < parts) fast_pairs_.resize(parts);
+    for (FastPairs& part : fast_pairs_) part.pairs.clear();
+    scene.executor.parallel_for(parts, 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            for (const ProxyPair& pair : found.subspan(k * kPart, std::min(kPart, found.size() - k * kPart))) {
+                const std::uint32_t a = scene.proxies.bodies[pair.a], b = scene.proxies.bodies[pair.b];
+                if ((is_fast_[a] | is_fast_[b]) != 0 && (is_stray_[a] | is_stray_[b]) == 0) fast_pairs_[k].pairs.push_back(pair);
+            }
+        }
+    });
+}
+
 void Continuous::search_from_start(const ContinuousScene& scene) {
     const PairUpdate& found = scene.broadphase.result();
     const bool complete = found.status == PairStatus::Complete;
     const auto asks = [&](std::uint32_t slot) { return !complete || is_stray_[slot] != 0; };
     if (complete) {
-        for (const ProxyPair& pair : found.pairs) {
-            const std::uint32_t a = scene.proxies.bodies[pair.a], b = scene.proxies.bodies[pair.b];
-            if ((is_fast_[a] | is_fast_[b]) == 0 || (is_stray_[a] | is_stray_[b]) != 0 || keep_company(scene, a, b) || !may_meet(scene, pair.a, pair.b)) continue;
-            search(scene, order(scene, pair.a, pair.b), 0.0, 0);
+        list_fast_pairs(scene, found.pairs);
+        for (const FastPairs& part : fast_pairs_) {
+            for (const ProxyPair& pair : part.pairs) {
+                if (keep_company(scene, scene.proxies.bodies[pair.a], scene.proxies.bodies[pair.b]) || !may_meet(scene, pair.a, pair.b)) continue;
+                search(scene, order(scene, pair.a, pair.b), 0.0, 0);
+            }
         }
     }
     if (complete && strays_.empty() && scene.proxies.planes.empty()) return;

@@ -1,10 +1,9 @@
 #include <carom/dynamics/detail/phase_loop.hpp>
 
-#include <hwy/cache_control.h>
+#include <carom/dynamics/detail/team.hpp>
 
 #include <algorithm>
 #include <chrono>
-#include <thread>
 
 namespace carom::dynamics {
 namespace {
@@ -12,7 +11,7 @@ namespace {
 /// Adds what passes between two labels to the first.
 class Watch {
 public:
-    Watch(bool runs, std::span<double> milliseconds) : runs_(runs), milliseconds_(milliseconds) {}
+    Watch(bool runs, std::span<double> milliseconds) : runs_(runs && !milliseconds.empty()), milliseconds_(milliseconds) {}
     void look(int label) {
         if (!runs_ || label == label_) return;
         const Clock::time_point now = Clock::now();
@@ -29,20 +28,28 @@ private:
     Clock::time_point since_;
 };
 
-std::size_t block_count(const Phase& phase) noexcept { return (phase.count + phase.grain - 1) / phase.grain; }
+struct Range {
+    std::size_t begin = 0, end = 0;
+};
 
-void wait_for(const std::atomic<std::uint32_t>& done, std::size_t blocks) noexcept {
-    constexpr int kSpins = 2000;  // some 50 µs; then whoever holds a block may be without a processor
-    for (int spins = 0; done.load(std::memory_order_acquire) < blocks; ++spins) {
-        if (spins < kSpins) {
-            hwy::Pause();
-        } else {
-            std::this_thread::yield();
-        }
-    }
+Range part_of(const Phase& phase, std::size_t part, std::size_t parts) noexcept {
+    if (phase.starts != nullptr) return {phase.starts[part], phase.starts[part + 1]};
+    return {part * phase.count / parts, (part + 1) * phase.count / parts};
 }
 
 }  // namespace
+
+// Nobody sets them back: a flag holds the number of the run, and stays in the cache of the thread whose part it is.
+bool PhaseLoop::State::take(std::size_t part, std::uint32_t run) noexcept {
+    std::atomic<std::uint32_t>& flag = taken[part].run;
+    return flag.load(std::memory_order_relaxed) != run && flag.exchange(run, std::memory_order_acq_rel) != run;
+}
+
+void PhaseLoop::State::wait(std::size_t parts, std::uint32_t run) const noexcept {
+    for (std::size_t part = 0; part < parts; ++part) {
+        for (int spins = 0; done[part].run.load(std::memory_order_acquire) != run; ++spins) pause_or_yield(spins);
+    }
+}
 
 void PhaseLoop::take_part(std::size_t thread, std::size_t parts, std::span<const Phase> phases, Body body,
                           std::span<double> milliseconds) noexcept {
@@ -50,21 +57,15 @@ void PhaseLoop::take_part(std::size_t thread, std::size_t parts, std::span<const
     for (std::size_t p = 0; p < phases.size(); ++p) {
         const Phase& phase = phases[p];
         State& state = states_[p];
-        const std::size_t blocks = block_count(phase);
         watch.look(phase.label);
-        std::uint32_t mine = 0;
         for (std::size_t k = 0; k < parts; ++k) {
-            const std::size_t part = (thread + k) % parts, end = (part + 1) * blocks / parts;
-            std::size_t block = part * blocks / parts;
-            if (block == end) continue;
-            const std::size_t first = block;
-            while ((block = first + state.next[part].fetch_add(1, std::memory_order_relaxed)) < end) {
-                body(p, block * phase.grain, std::min(phase.count, (block + 1) * phase.grain));
-                ++mine;
-            }
+            const std::size_t part = (thread + k) % parts;
+            if (!state.take(part, run_)) continue;
+            const Range range = part_of(phase, part, parts);
+            if (range.begin < range.end) body(p, range.begin, range.end);
+            state.done[part].run.store(run_, std::memory_order_release);
         }
-        if (mine > 0) state.done.fetch_add(mine, std::memory_order_acq_rel);
-        wait_for(state.done, blocks);
+        state.wait(parts, run_);
     }
     watch.look(-1);
 }
@@ -88,10 +89,7 @@ void PhaseLoop::run(std::span<const Phase> phases, Executor& executor, Body body
         state_count_ = phases.size() + phases.size() / 2;
         states_ = std::make_unique<State[]>(state_count_);
     }
-    for (std::size_t p = 0; p < phases.size(); ++p) {
-        for (auto& next : states_[p].next) next.store(0, std::memory_order_relaxed);
-        states_[p].done.store(0, std::memory_order_relaxed);
-    }
+    ++run_;
     is_timed_.store(false, std::memory_order_relaxed);
     const std::size_t parts = part_count(executor);
     executor.parallel_for(threads, 1, [&](std::size_t begin, std::size_t end) {

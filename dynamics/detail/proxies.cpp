@@ -13,6 +13,8 @@ namespace carom::dynamics {
 namespace {
 
 constexpr std::size_t kGrain = 256;
+constexpr std::size_t kPairGrain = 1024;
+constexpr std::uint32_t kSlotsOfAPart = 256, kSlotsWorthSharing = 2048;
 constexpr double kMarginShare = 0.25;  // of the smallest extent
 
 /// What gravity may do in the step [m].
@@ -190,27 +192,53 @@ void note_listed(ProxySet& set) noexcept {
     }
 }
 
-void list_candidates(const ProxySet& set, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt, Executor& executor,
-                     std::vector<NumberedPair>& out) {
+namespace {
+
+/// Of the slots [first, last).
+void list_candidates_of(const ProxySet& set, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt, std::uint32_t first,
+                        std::uint32_t last, std::vector<NumberedPair>& out) {
     out.clear();
-    std::size_t next = 0;
-    for (std::uint32_t i = 0; i < set.by_slot.size(); ++i) {
+    const auto list = [&](std::uint32_t a, std::uint32_t b, double motion) {
+        const double closing = set.motion[a] + motion;
+        out.push_back({a, b, static_cast<float>(std::min(closing, kMarginShare * std::min(set.extents[a], set.extents[b])))});
+    };
+    auto next = std::lower_bound(found.begin(), found.end(), first, [](const ProxyPair& pair, std::uint32_t slot) { return pair.a < slot; });
+    for (std::uint32_t i = first; i < last; ++i) {
         if (set.kinds[i] != ProxyKind::Bounded) continue;
-        for (; next < found.size() && found[next].a == i; ++next) {
-            if (set.bodies[i] != set.bodies[found[next].b]) out.push_back({i, found[next].b});
+        for (; next != found.end() && next->a == i; ++next) {
+            if (set.bodies[i] != set.bodies[next->b]) list(i, next->b, set.motion[next->b]);
         }
         if (!set.filters[i].movable) continue;
         for (const std::uint32_t p : set.planes) {
             if (!filters_agree(set.filters[i], set.filters[p])) continue;
-            if (gap_over_plane(set, bodies, i, p, dt) <= 0.0) out.push_back({i, p});
+            if (gap_over_plane(set, bodies, i, p, dt) <= 0.0) list(i, p, motion_of_plane(set, bodies, p, i, dt));
         }
     }
-    executor.parallel_for(out.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+}
+
+}  // namespace
+
+void list_candidates(const ProxySet& set, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt, Executor& executor,
+                     CandidateParts& parts, std::vector<NumberedPair>& out) {
+    const auto slots = static_cast<std::uint32_t>(set.by_slot.size());
+    if (executor.thread_count() == 1 || slots < kSlotsWorthSharing) return list_candidates_of(set, bodies, found, dt, 0, slots, out);
+    const std::size_t count = (slots + kSlotsOfAPart - 1) / kSlotsOfAPart;
+    if (parts.size() < count) parts.resize(count);
+    executor.parallel_for(count, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
-            const std::uint32_t a = out[k].a, b = out[k].b;
-            const double motion = set.kinds[b] == ProxyKind::Bounded ? set.motion[b] : motion_of_plane(set, bodies, b, a, dt);
-            const double closing = set.motion[a] + motion;
-            out[k].margin = static_cast<float>(std::min(closing, kMarginShare * std::min(set.extents[a], set.extents[b])));
+            const auto first = static_cast<std::uint32_t>(k * kSlotsOfAPart);
+            list_candidates_of(set, bodies, found, dt, first, std::min(first + kSlotsOfAPart, slots), parts[k].pairs);
+        }
+    });
+    std::size_t size = 0;
+    for (std::size_t k = 0; k < count; ++k) size += parts[k].pairs.size();
+    out.resize(size);
+    executor.parallel_for(count, 1, [&](std::size_t begin, std::size_t end) {
+        std::size_t at = 0;
+        for (std::size_t k = 0; k < begin; ++k) at += parts[k].pairs.size();
+        for (std::size_t k = begin; k < end; ++k) {
+            std::copy(parts[k].pairs.begin(), parts[k].pairs.end(), out.begin() + static_cast<std::ptrdiff_t>(at));
+            at += parts[k].pairs.size();
         }
     });
 }
@@ -224,7 +252,7 @@ std::uint64_t key_of(const ProxySet& set, const NumberedPair& candidate) noexcep
 
 }  // namespace
 
-bool name_candidates(const ProxySet& set, double share, std::span<NumberedPair> candidates, CandidateNames& names) {
+bool name_candidates(const ProxySet& set, double share, std::span<NumberedPair> candidates, CandidateNames& names, Executor& executor) {
     const auto two_boxes = [&](const NumberedPair& pair) { return (set.boxlike[pair.a] & set.boxlike[pair.b]) != 0; };
     if (std::all_of(candidates.begin(), candidates.end(), two_boxes)) {
         names.now.clear();
@@ -233,17 +261,18 @@ bool name_candidates(const ProxySet& set, double share, std::span<NumberedPair> 
     std::swap(names.before, names.now);
     names.now.resize(candidates.size());
     const std::vector<CandidateName>& before = names.before;
-    std::size_t old = 0;
-    for (std::size_t k = 0; k < candidates.size(); ++k) {
-        NumberedPair& pair = candidates[k];
-        const CandidateName name{key_of(set, pair), set.versions[pair.a], set.versions[pair.b]};
-        names.now[k] = name;
-        pair.slack = two_boxes(pair) ? 0.0f : static_cast<float>(share * std::min(set.extents[pair.a], set.extents[pair.b]));
-        while (old < before.size() && before[old].key < name.key) ++old;
-        const bool same = old < before.size() && before[old].key == name.key && before[old].version_a == name.version_a &&
-                          before[old].version_b == name.version_b;
-        pair.last = same ? static_cast<std::uint32_t>(old) : kNewPair;
-    }
+    executor.parallel_for(candidates.size(), kPairGrain, [&](std::size_t begin, std::size_t end) {
+        auto old = std::ranges::lower_bound(before, key_of(set, candidates[begin]), {}, &CandidateName::key);
+        for (std::size_t k = begin; k < end; ++k) {
+            NumberedPair& pair = candidates[k];
+            const CandidateName name{key_of(set, pair), set.versions[pair.a], set.versions[pair.b]};
+            names.now[k] = name;
+            pair.slack = two_boxes(pair) ? 0.0f : static_cast<float>(share * std::min(set.extents[pair.a], set.extents[pair.b]));
+            while (old != before.end() && old->key < name.key) ++old;
+            const bool same = old != before.end() && old->key == name.key && old->version_a == name.version_a && old->version_b == name.version_b;
+            pair.last = same ? static_cast<std::uint32_t>(old - before.begin()) : kNewPair;
+        }
+    });
     return true;
 }
 

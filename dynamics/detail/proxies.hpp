@@ -135,11 +135,17 @@ void note_listed(ProxySet& set) noexcept;
 [[nodiscard]] double gap_over_plane(const ProxySet& set, const BodyArrays& bodies, std::uint32_t bounded, std::uint32_t plane,
                                     double dt) noexcept;
 
+/// What each thread listed of some slots; kept so that nothing is allocated.
+struct alignas(64) CandidatePart {
+    std::vector<NumberedPair> pairs;
+};
+using CandidateParts = std::vector<CandidatePart>;
+
 /// Joins the broadphase's pairs, sorted by (a, b), and the pairs with planes into one list, sorted by key: the candidates for the
 /// narrowphase, by slots. The margin is how far the two may close in the step, at most a quarter of the smaller shape's smallest
 /// extent: contacts predicted from farther away would stop bodies that only pass by.
 void list_candidates(const ProxySet& set, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt, Executor& executor,
-                     std::vector<NumberedPair>& out);
+                     CandidateParts& parts, std::vector<NumberedPair>& out);
 
 /// What tells a candidate of one step in the next: its key, and which proxies stood at the two slots.
 struct CandidateName {
@@ -155,7 +161,7 @@ struct CandidateNames {
 /// Numbers each candidate by the same pair of the same two shapes in the step before, and gives it the slack `share` times the smaller
 /// shape's smallest extent, but for two boxes.
 /// @return whether there are any but those: otherwise nothing is numbered.
-bool name_candidates(const ProxySet& set, double share, std::span<NumberedPair> candidates, CandidateNames& names);
+bool name_candidates(const ProxySet& set, double share, std::span<NumberedPair> candidates, CandidateNames& names, Executor& executor);
 
 /// @return the pair of a candidate.
 [[nodiscard]] ContactPair contact_pair(const ProxySet& set, const NumberedPair& candidate) noexcept;

@@ -15,9 +15,11 @@
 #include <carom/dynamics/detail/joint_solver.hpp>
 #include <carom/dynamics/detail/part_surface.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
+#include <carom/dynamics/detail/share_choice.hpp>
 #include <carom/dynamics/detail/sleepers.hpp>
 #include <carom/dynamics/detail/step.hpp>
 #include <carom/dynamics/detail/step_paths.hpp>
+#include <carom/dynamics/detail/team.hpp>
 #include <carom/dynamics/world.hpp>
 #include <carom/narrowphase/collide.hpp>
 
@@ -43,10 +45,11 @@ struct ShapeRecord {
     ShapeDef def;
 };
 
-/// The last pose of a body from which a step could go on.
+/// The last pose of a body from which a step could go on, and its velocity there.
 struct ValidPose {
     BodyId id;
     Pose pose;
+    dvec3 velocity{0.0};
 };
 
 /// What takes part in the simulation: bodies with shapes, and what those are.
@@ -105,6 +108,9 @@ struct World::Impl {
     [[nodiscard]] SweepExplanation judge_sweep(BodyId a, BodyId b, bool brief) const;
 
     [[nodiscard]] Executor& executor() noexcept { return def.executor != nullptr ? *def.executor : serial; }
+    /// Of a step: the executor's threads together, or one where there is too little to do.
+    [[nodiscard]] Executor& threads() noexcept { return team.is_running() ? static_cast<Executor&>(team) : serial; }
+    [[nodiscard]] StepReport take_step(const World& world, double dt);
 
     [[nodiscard]] dynamics::SolverSettings solver_settings(double dt) const noexcept {
         return {def.gravity, dt, def.substeps, contact_rate(dt), def.contact_damping, def.max_push, census.resisting_shapes > 0};
@@ -189,6 +195,8 @@ struct World::Impl {
 
     WorldDef def;
     SerialExecutor serial;
+    dynamics::Team team;
+    dynamics::ShareChoice share_choice;
 
     SlotMap<dynamics::BodyRecord, BodyId> bodies;
     std::vector<BodyId> body_order;
@@ -199,6 +207,7 @@ struct World::Impl {
     dynamics::ProxySet proxies;
     Broadphase broadphase;
     std::vector<NumberedPair> candidates;
+    dynamics::CandidateParts candidate_parts;
     dynamics::CandidateNames names;
     CollideScratch collide_scratch;
     dynamics::ContactSet contacts, previous;

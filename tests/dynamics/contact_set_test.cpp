@@ -1,6 +1,8 @@
 // Impulses follow their features from step to step, and only those.
 #include <carom/dynamics/detail/contact_set.hpp>
 
+#include "odd_executors.hpp"
+
 #include <gtest/gtest.h>
 
 namespace carom::dynamics {
@@ -41,6 +43,40 @@ TEST(ContactSet, CandidatesWithManifoldsBecomePairs) {
     EXPECT_EQ(set.manifolds[0].pair, 0u);
     EXPECT_EQ(set.manifolds[2].pair, 1u);
     EXPECT_TRUE(set_of({10}, {}).pairs.empty());
+}
+
+TEST(ContactSet, PairsOfManyPartsAreThoseOfOneOnAnyThreads) {
+    // Pairs of one to five manifolds, and candidates without any, across every boundary of the parts.
+    std::vector<Manifold> manifolds;
+    std::vector<std::size_t> sizes;
+    for (std::uint32_t candidate = 0; manifolds.size() < 3000; ++candidate) {
+        const std::size_t size = candidate * 7 % 6;
+        for (std::size_t m = 0; m < size; ++m) manifolds.push_back(manifold_of(candidate, {m + 1}));
+        if (size > 0) sizes.push_back(size);
+    }
+    const auto make = [](std::uint32_t candidate) {
+        ContactPair pair;
+        pair.key = candidate;
+        return pair;
+    };
+    for (const int threads : {1, 2, 3, 8}) {
+        for (const auto& [name, how] : test::odd_ways()) {
+            test::OddExecutor executor(threads, how);
+            ContactSet set;
+            set.manifolds = manifolds;
+            link_manifolds(set, make, executor);
+            ASSERT_EQ(set.pairs.size(), sizes.size()) << name;
+            std::uint32_t next = 0;
+            for (std::size_t i = 0; i < sizes.size(); ++i) {
+                ASSERT_EQ(set.pairs[i].first_manifold, next) << name;
+                ASSERT_EQ(set.pairs[i].manifold_count, sizes[i]) << name;
+                ASSERT_EQ(set.pairs[i].key, manifolds[next].pair) << name;
+                for (std::uint32_t m = 0; m < sizes[i]; ++m) ASSERT_EQ(set.manifolds[next + m].pair, i) << name;
+                next += static_cast<std::uint32_t>(sizes[i]);
+            }
+            EXPECT_EQ(set.summary.points, manifolds.size()) << name;
+        }
+    }
 }
 
 TEST(ContactSet, ImpulsesFollowTheFeatureWithinThePair) {

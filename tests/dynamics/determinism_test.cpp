@@ -84,9 +84,11 @@ TEST(Determinism, SameBitsTwice) { EXPECT_EQ(hash_after(make_pile({}), 120), has
 
 TEST(Determinism, SameBitsOnEveryNumberOfThreads) {
     const std::uint64_t serial = hash_after(make_pile({}), 60);
-    for (const int threads : {2, 4}) {
+    for (const int threads : {1, 2, 3, 8}) {
         ShuffledExecutor executor(threads);
-        EXPECT_EQ(hash_after(make_pile({.executor = &executor}), 60), serial) << threads << " threads";
+        for (const PlanMode plan : {PlanMode::Automatic, PlanMode::Everything}) {  // the latter shares however little there is
+            EXPECT_EQ(hash_after(make_pile({.executor = &executor, .plan = plan}), 60), serial) << threads << " threads";
+        }
     }
 }
 
@@ -116,6 +118,80 @@ TEST(Determinism, SameBitsWhereThreadsShareThePassesOfTheSolver) {
         ShuffledExecutor executor(threads);
         EXPECT_EQ(hash_after(make_blocks({.executor = &executor, .contact_method = ContactMethod::Soft}), 25), alone.state_hash()) << threads << " threads";
     }
+}
+
+// More of everything than any stage does on one thread: candidates, with planes too, contacts that are carried along, bodies that are followed, that stray
+// and that bounce, and one that is thrown out.
+World make_crowd(const WorldDef& def) {
+    World world(def);
+    const BodyId ground = world.create_body({.type = BodyType::Static});
+    world.add_shape(ground, Plane{{0, 1, 0}, 0});
+    world.add_shape(ground, Plane{{-1, 0, 0}, -40});
+    Random random(21);
+    for (int i = 0; i < 2600; ++i) {
+        const int level = i / 900, at = i % 900;
+        const double fast = i % 40 == 0 ? 60.0 : 1.5;
+        const BodyId body = world.create_body({.position = {1.3 * (at % 30) + 0.2 * level, 0.6 + 1.02 * level, 1.3 * (at / 30) + 0.1 * level},
+                                               .linear_velocity = {random.range(-fast, fast), random.range(-fast, 0.0), random.range(-fast, fast)},
+                                               .angular_velocity = {random.range(-3.0, 3.0), 0, 0}});
+        const ShapeDef matter{.restitution = i % 300 == 0 ? 0.5f : 0.0f};
+        switch (i % 3) {
+            case 0: world.add_shape(body, Box{{0.5f, 0.45f, 0.4f}}, matter); break;
+            case 1: world.add_shape(body, Sphere{0.5f}, matter); break;
+            default: world.add_shape(body, Cylinder{0.45f, 0.4f}, matter); break;
+        }
+    }
+    return world;
+}
+
+TEST(Determinism, SameBitsWhereEveryStageIsShared) {
+    const auto run = [](Executor* executor, StepReport& last) {
+        World world = make_crowd({.executor = executor, .contact_reuse = 0.1});
+        std::vector<std::uint64_t> hashes;
+        for (int i = 0; i < 14; ++i) {
+            last = world.step(1.0 / 60.0);
+            hashes.push_back(world.state_hash());
+        }
+        return hashes;
+    };
+    StepReport report;
+    const std::vector<std::uint64_t> serial = run(nullptr, report);
+    EXPECT_GT(report.contacts, 6000u);
+    EXPECT_GT(report.reused, 1000u);
+    EXPECT_GT(report.continuous.followed, 5u);
+    for (const int threads : {1, 2, 3, 8}) {
+        ShuffledExecutor executor(threads);
+        StepReport other;
+        EXPECT_EQ(run(&executor, other), serial) << threads << " threads";
+        EXPECT_EQ(other.contacts, report.contacts);
+        EXPECT_EQ(other.mean_penetration, report.mean_penetration);
+        EXPECT_EQ(other.deep, report.deep);
+    }
+}
+
+/// Counts its loops, which it runs on the calling thread.
+class CountingExecutor final : public Executor {
+public:
+    [[nodiscard]] int thread_count() const noexcept override { return 2; }
+    void parallel_for(std::size_t count, std::size_t, Body body) override {
+        ++loops;
+        body(0, count);
+    }
+    int loops = 0;
+};
+
+TEST(Threads, ComeTogetherOnceAStepAndNotForLittle) {
+    const auto loops_of_first = [](int bodies, PlanMode plan) {
+        CountingExecutor executor;
+        World world({.executor = &executor, .plan = plan});
+        world.add_shape(world.create_body({.type = BodyType::Static}), Plane{{0, 1, 0}, 0});
+        for (int i = 0; i < bodies; ++i) world.add_shape(world.create_body({.position = {2.0 * (i % 30), 1.0, 2.0 * (i / 30)}}), Sphere{0.5f});
+        world.step(1.0 / 60.0);
+        return executor.loops;
+    };
+    EXPECT_EQ(loops_of_first(100, PlanMode::Automatic), 0);
+    EXPECT_EQ(loops_of_first(100, PlanMode::Everything), 1);
+    EXPECT_EQ(loops_of_first(600, PlanMode::Automatic), 1);
 }
 
 TEST(Determinism, SameBitsAtEverySimdWidth) {

@@ -1,6 +1,8 @@
 // Loops that follow one another on threads that come late, early, one after the other or not at all.
 #include <carom/dynamics/detail/phase_loop.hpp>
 
+#include "odd_executors.hpp"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,36 +16,21 @@
 namespace carom::dynamics {
 namespace {
 
-/// Says that it has `threads`, and runs the ranges as `how` does.
-class OddExecutor final : public Executor {
-public:
-    using How = std::function<void(std::size_t count, const Body& body)>;
-    OddExecutor(int threads, How how) : threads_(threads), how_(std::move(how)) {}
-    [[nodiscard]] int thread_count() const noexcept override { return threads_; }
-    void parallel_for(std::size_t count, std::size_t, Body body) override { how_(count, body); }
-
-private:
-    int threads_;
-    How how_;
-};
-
-void in_threads(std::size_t count, const Executor::Body& body, bool late) {
-    std::vector<std::thread> threads;
-    for (std::size_t i = 0; i < count; ++i) {
-        threads.emplace_back([=, &body] {
-            if (late && i % 2 == 0) std::this_thread::sleep_for(std::chrono::milliseconds(2));
-            body(i, i + 1);
-        });
-    }
-    for (std::thread& t : threads) t.join();
-}
+using test::in_threads;
+using test::OddExecutor;
 
 // Each phase adds up what the one before left, so whatever is missed, done twice or out of turn shows in the last.
 std::vector<std::uint64_t> run_chain(Executor& executor, std::span<const std::size_t> counts, PhaseLoop& loop,
                                      std::span<double> milliseconds) {
     std::vector<Phase> phases;
-    for (std::size_t p = 0; p < counts.size(); ++p)
-        phases.push_back({.count = counts[p], .grain = 1 + p % 5, .label = static_cast<int>(p % 3)});
+    const std::size_t parts = PhaseLoop::part_count(executor);
+    std::vector<std::vector<std::uint32_t>> starts(counts.size());  // uneven parts, some of them empty
+    for (std::size_t p = 0; p < counts.size(); ++p) {
+        for (std::size_t part = 0; part < parts; ++part)
+            starts[p].push_back(static_cast<std::uint32_t>(counts[p] * (part * part) / (parts * parts)));
+        starts[p].push_back(static_cast<std::uint32_t>(counts[p]));
+        phases.push_back({.count = counts[p], .label = static_cast<int>(p % 3), .starts = p % 2 == 0 ? starts[p].data() : nullptr});
+    }
     std::vector<std::vector<std::uint64_t>> values(counts.size());
     for (std::size_t p = 0; p < counts.size(); ++p) values[p].assign(counts[p], 0);
     const auto body = [&](std::size_t phase, std::size_t begin, std::size_t end) {
@@ -69,17 +56,8 @@ TEST(PhaseLoop, DoesEveryIndexOnceAndInTurnOnAnyThreads) {
     std::array<double, 3> milliseconds{};
     const std::vector<std::uint64_t> expected = run_chain(serial, counts, loop, milliseconds);
     EXPECT_GT(milliseconds[0] + milliseconds[1] + milliseconds[2], 0.0);
-    const std::pair<const char*, OddExecutor::How> ways[] = {
-        {"one range", [](std::size_t count, const Executor::Body& body) { body(0, count); }},
-        {"one after the other, the last first",
-         [](std::size_t count, const Executor::Body& body) {
-             for (std::size_t i = count; i-- > 0;) body(i, i + 1);
-         }},
-        {"threads", [](std::size_t count, const Executor::Body& body) { in_threads(count, body, false); }},
-        {"threads of which every other is late", [](std::size_t count, const Executor::Body& body) { in_threads(count, body, true); }},
-    };
-    for (const auto& [name, how] : ways) {
-        for (const int threads : {2, 3, 4, 11}) {
+    for (const auto& [name, how] : test::odd_ways()) {
+        for (const int threads : {1, 2, 3, 4, 8, 11}) {
             OddExecutor executor(threads, how);
             for (int again = 0; again < 3; ++again)
                 EXPECT_EQ(run_chain(executor, counts, loop, milliseconds), expected) << name << " " << threads;
