@@ -28,11 +28,11 @@ void set(float (&out)[n], const dvec3& v) {
 
 dvec3 as_dvec3(const float (&v)[4]) { return {v[0], v[1], v[2]}; }
 
-/// What a substep changes the velocities of a row by, contacts apart.
-void set_kick(SolverBase& base, const BodyArrays& bodies, std::uint32_t slot, const SolverSettings& settings) {
+/// What a substep changes the velocities of a row by, contacts apart; of a slender body without its precession.
+void set_kick(SolverBase& base, const BodyArrays& bodies, std::uint32_t slot, bool slender, const SolverSettings& settings) {
     const BodyState& state = bodies.states[slot];
     const BodyMass& mass = bodies.masses[slot];
-    dvec3 turn = gyroscopic_change(state, mass, settings.dt) / static_cast<double>(settings.substeps);
+    dvec3 turn = slender ? dvec3{0.0} : gyroscopic_change(state, mass, settings.dt) / static_cast<double>(settings.substeps);
     if (!bodies.traits.empty()) turn += world_inverse_inertia(state, mass) * bodies.traits[slot].torque * settings.substep();
     set(base.turn, turn);
     set(base.kick, free_moves(mass.locked) * bodies.acceleration(slot, settings.gravity) * settings.substep());
@@ -58,6 +58,7 @@ void ContactSolver::prepare(const ContactSet& contacts, std::span<const unsigned
     number_rows(contacts, bodies);
     fill_rows(bodies, executor);
     rules_.list(bodies, slot_of_row_, rows_.movable, h);
+    slender_.list(bodies, slot_of_row_, is_slender_, settings.dt, settings.substeps);
     fill_sides(proxies, bodies, executor);
     fill_manifold_rows(contacts, executor);
     coloring_.color(contact_rows_, rows_.movable);
@@ -126,6 +127,8 @@ void ContactSolver::fill_rows(const BodyArrays& bodies, Executor& executor) {
     rows_.bodies.resize(count + 1);
     rows_.masses.resize(count + 1);
     rows_.bases.resize(count + 1);
+    is_slender_.assign(static_cast<std::size_t>(rows_.movable), 1);
+    for (const std::uint32_t slot : shared_) is_slender_[static_cast<std::size_t>(row_of_slot_[slot])] = 0;  // joints turn their bodies as the rows do
     executor.parallel_for(count + 1, kBodyGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
             rows_.bodies[row] = {};
@@ -143,7 +146,8 @@ void ContactSolver::fill_rows(const BodyArrays& bodies, Executor& executor) {
             set(m.diagonal, inertia.diagonal);
             m.diagonal[3] = static_cast<float>(mass.inverse_mass);
             set(m.others, inertia.others);
-            set_kick(rows_.bases[row], bodies, slot_of_row_[row], settings_);
+            if (!is_slender(mass)) is_slender_[row] = 0;
+            set_kick(rows_.bases[row], bodies, slot_of_row_[row], is_slender_[row] != 0, settings_);
         }
     });
 }
@@ -290,6 +294,7 @@ void ContactSolver::list(std::size_t count, Stage stage, const Task& task, const
 void ContactSolver::list_velocities(WarmStart warm_start) {
     list(static_cast<std::size_t>(rows_.movable), Stage::Velocities, {.work = Work::Kick, .warm_start = warm_start}, part_rows_.data());
     if (rules_.damp_any()) list(1, Stage::Velocities, {.work = Work::Damp});
+    if (slender_.any()) list(1, Stage::Velocities, {.work = Work::Precess});
 }
 
 void ContactSolver::list_contacts(Stage stage, const Task& task) {
@@ -323,6 +328,7 @@ void ContactSolver::list_pass(bool bias) {
 void ContactSolver::list_positions() {
     gaps_known_ = false;
     list(slot_of_row_.size(), Stage::Positions, {.work = Work::Advance}, all_parts_.data());
+    if (slender_.any()) list(1, Stage::Positions, {.work = Work::Swing});
 }
 
 void ContactSolver::run_listed(Executor& executor, std::span<double> milliseconds) {
@@ -348,6 +354,9 @@ void ContactSolver::run_task(const Task& task, std::size_t begin, std::size_t en
         case Work::Damp:
             rules_.damp(rows_);
             break;
+        case Work::Precess:
+            slender_.precess(rows_);
+            break;
         case Work::WarmStart:
             for_some([&](std::span<ContactBundle> some) { dynamics::warm_start(some, rows_); });
             break;
@@ -367,6 +376,9 @@ void ContactSolver::run_task(const Task& task, std::size_t begin, std::size_t en
         case Work::Advance:
             advance(rows_, begin, end, static_cast<float>(settings_.substep()));
             break;
+        case Work::Swing:
+            slender_.swing(rows_);
+            break;
     }
 }
 
@@ -382,6 +394,7 @@ void ContactSolver::store(BodyArrays& bodies, ContactSet& contacts, Executor& ex
             state.pose.orientation = glm::normalize(turn * state.pose.orientation);
         }
     });
+    slender_.store(bodies);
     for_bundles(executor, [&](std::span<ContactBundle> some) { store_impulses(some, contacts.impulses); });
 }
 

@@ -19,6 +19,7 @@
 #include <carom/dynamics/detail/proxies.hpp>
 #include <carom/dynamics/detail/rolling_rows.hpp>
 #include <carom/dynamics/detail/row_rules.hpp>
+#include <carom/dynamics/detail/slender.hpp>
 #include <carom/dynamics/stage.hpp>
 
 #include <array>
@@ -99,7 +100,7 @@ private:
     void fill_lanes(ContactBundle& bundle) const;
     /// Calls `work` for all bundles, some at a time, from several threads.
     void for_bundles(Executor& executor, FunctionRef<void(std::span<ContactBundle> some)> work);
-    enum class Work : unsigned char { Kick, Damp, WarmStart, WarmStartRest, Solve, SolveRest, Advance };
+    enum class Work : unsigned char { Kick, Damp, Precess, WarmStart, WarmStartRest, Solve, SolveRest, Advance, Swing };
     struct Task {
         Work work = Work::Kick;
         WarmStart warm_start = WarmStart::First;
@@ -118,6 +119,8 @@ private:
     SolverBodies rows_;
     RowRules rules_;
     RollingRows rolling_;
+    SlenderRows slender_;
+    std::vector<unsigned char> is_slender_;    // by row
     std::vector<std::uint32_t> slot_of_row_;
     std::vector<std::int32_t> row_of_slot_;
     std::vector<std::uint32_t> shared_;

@@ -3,6 +3,7 @@
 #include <carom/core/math.hpp>
 #include <carom/dynamics/detail/integrator.hpp>
 #include <carom/dynamics/detail/part_surface.hpp>
+#include <carom/dynamics/detail/slender.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -50,7 +51,8 @@ void fill_body(const BodyArrays& bodies, std::uint32_t slot, const DirectStep& s
     body.mass = mass.mass;
     body.inertia = scaled * glm::transpose(r);
     body.free_velocity = state.velocity + step.dt * step.gravity;
-    body.free_spin = state.spin + gyroscopic_change(state, mass, step.dt);
+    body.free_spin =
+        is_slender(mass) ? SlenderMotion(state, mass).precessed(state.spin, step.dt) : state.spin + gyroscopic_change(state, mass, step.dt);
     if (!bodies.traits.empty()) {
         const BodyTraits& traits = bodies.traits[slot];
         const Decay along = decay(traits.linear_damping * step.dt), about = decay(traits.angular_damping * step.dt);
@@ -164,9 +166,16 @@ void apply_solution(const DirectProblem& problem, std::span<const std::uint32_t>
     for (std::size_t i = 0; i < bodies.size(); ++i) {
         const DirectBody& body = problem.bodies[i];
         BodyState& state = world.bodies.states[bodies[i]];
+        const BodyMass& mass = world.bodies.masses[bodies[i]];
         state.velocity = body.velocity;
         state.spin = body.spin;
         state.pose.position += step.dt * body.velocity;
+        if (is_slender(mass)) {
+            SlenderMotion motion(state, mass);
+            motion.advance(body.spin, step.dt);
+            motion.finish(state, mass);
+            continue;
+        }
         state.pose.orientation = glm::normalize(rotation_from_vector(step.dt * body.spin) * state.pose.orientation);
     }
     const double share = 1.0 / step.substeps;

@@ -1,5 +1,7 @@
 // The same bits on every number of threads, at every SIMD width, with the automatic plan and with everything on; and no
 // allocation once warm.
+#include "shuffled_executor.hpp"
+
 #include <carom/collision/compound.hpp>
 #include <carom/dynamics/world.hpp>
 
@@ -11,39 +13,13 @@
 #include <gtest/gtest.h>
 #include <support/count_allocations.hpp>
 
-#include <atomic>
 #include <limits>
-#include <thread>
 #include <vector>
 
 namespace carom {
 namespace {
 
-/// Cuts every loop into many pieces and runs them on several threads, last piece first.
-class ShuffledExecutor final : public Executor {
-public:
-    explicit ShuffledExecutor(int threads) : threads_(threads) {}
-    [[nodiscard]] int thread_count() const noexcept override { return threads_; }
-    void parallel_for(std::size_t count, std::size_t grain, Body body) override {
-        const std::size_t pieces = (count + grain - 1) / grain;
-        std::atomic<std::size_t> left{pieces};
-        const auto work = [&] {
-            for (;;) {
-                const std::size_t taken = left.fetch_sub(1);
-                if (taken == 0 || taken > pieces) return;
-                const std::size_t begin = (taken - 1) * grain;
-                body(begin, std::min(begin + grain, count));
-            }
-        };
-        std::vector<std::thread> others;
-        for (int i = 1; i < threads_ && pieces > 1; ++i) others.emplace_back(work);
-        work();
-        for (std::thread& t : others) t.join();
-    }
-
-private:
-    int threads_;
-};
+using test::ShuffledExecutor;
 
 World make_pile(const WorldDef& def) {
     World world(def);

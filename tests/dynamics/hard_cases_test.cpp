@@ -52,16 +52,24 @@ TEST(HardCases, SlidingBlockStops) {
     EXPECT_LT(worst, 0.51 * 3.0 * kH);
 }
 
-// A5: creep below the friction angle, acceleration above it.
+// A5: creep below the friction angle, acceleration above it. While the weight comes onto its contacts, in the first step, the block begins to slide by 1.2 mm/s; what
+// friction has over the slope stops it.
 TEST(HardCases, BlockOnInclineSticksOrSlides) {
-    World sticks = incline(std::atan(0.5) - 0.01 * kPi / 180.0, 0.5f);
-    const BodyId still = put(sticks, {.position = {0, 0.25, 0}}, Box{{0.5f, 0.25f, 0.5f}}, {.friction = 0.5f});
-    for (int i = 0; i < 240; ++i) sticks.step(kH);
-    const dvec3 settled = sticks.pose(still).position;
-    for (int i = 0; i < 2400; ++i) sticks.step(kH);
-    const double creep = glm::length(sticks.pose(still).position - settled);
+    double creep = 0.0;
+    for (const double degrees : {0.0, 30.0, 45.0}) {
+        for (const ContactMethod method : {ContactMethod::Soft, ContactMethod::Direct}) {
+            const SinCos slope = sin_cos(std::atan(0.5) - 0.01 * kPi / 180.0), heading = sin_cos(degrees * kPi / 180.0);
+            World sticks({.gravity = kG * dvec3{slope.sin * heading.cos, -slope.cos, slope.sin * heading.sin}, .contact_method = method});
+            put(sticks, {.type = BodyType::Static}, Plane{{0, 1, 0}, 0}, {.friction = 0.5f});
+            const BodyId still = put(sticks, {.position = {0, 0.25, 0}}, Box{{0.5f, 0.25f, 0.5f}}, {.friction = 0.5f});
+            for (int i = 0; i < 240; ++i) sticks.step(kH);
+            const dvec3 settled = sticks.pose(still).position;
+            for (int i = 0; i < 2400; ++i) sticks.step(kH);
+            creep = std::max(creep, glm::length(sticks.pose(still).position - settled));
+        }
+    }
     show("A5 creep in 10 s [m]", creep);
-    EXPECT_LT(creep, 2e-5);  // 1e-6 is asked
+    EXPECT_LT(creep, 1e-9);  // 1e-6 is asked
 
     const double angle = 30.0 * kPi / 180.0;
     World slides = incline(angle, 0.5f);
@@ -194,8 +202,7 @@ TEST(HardCases, BoxTips) {
     EXPECT_LT(error, 0.5);
 }
 
-// A17: a rod that slides on its lower end (Painlevé): energy never grows, states stay finite. What it gains is the push out of the floor, which its upper end enters by
-// 22 mm in the step in which it hits at 8 m/s: that is farther ahead than contacts are looked for.
+// A17: a rod that slides on its lower end (Painlevé): energy never grows, states stay finite.
 TEST(HardCases, PainleveRod) {
     double gained = 0.0;
     for (const double lean : {0.3, 0.6, 0.9, 1.2}) {
@@ -215,7 +222,7 @@ TEST(HardCases, PainleveRod) {
         }
     }
     show("A17 energy gained, share", gained);
-    EXPECT_LT(gained, 4e-3);  // 1e-3 is asked
+    EXPECT_LT(gained, 1e-3);
 }
 
 // Case 9: strong gravity, e = 0.5: at rest within 5 s.

@@ -1,4 +1,5 @@
 // Places where energy once came from nothing, or valid input stopped the program.
+#include <carom/core/math.hpp>
 #include <carom/core/random.hpp>
 #include <carom/dynamics/world.hpp>
 
@@ -37,6 +38,24 @@ TEST(NoGain, ABoxThatBouncesAndTumbles) {
         const double turn = 0.1 * k;
         add_body(world, Box{{0.5f, 0.4f, 0.6f}},
                  {.orientation = glm::normalize(dquat{1.0, 0.3, turn, 0.2}), .linear_velocity = {5.0, 0.0, 0.0}, .angular_velocity = {1.0, turn, 0.5}},
+                 {.friction = 0.0f, .restitution = 1.0f});
+        const double before = world.energy().total();
+        EXPECT_LT(most_energy(world, 400), 1.001 * before) << k;
+    }
+}
+
+// A rod 1:50, whose ends come to a wall and away from it several times a step.
+TEST(NoGain, ARodThatBouncesAndTumbles) {
+    Random random(50);
+    for (int k = 0; k < 20; ++k) {
+        World world({.gravity = dvec3{0.0}});
+        for (const double y : {-2.0, 2.0}) {
+            add_body(world, Box{{20.0f, 0.5f, 20.0f}}, {.type = BodyType::Static, .position = {0.0, y, 0.0}}, {.friction = 0.0f, .restitution = 1.0f});
+        }
+        const auto draw = [&](double most) { return dvec3{random.range(-most, most), random.range(-most, most), random.range(-most, most)}; };
+        const dquat turn = rotation_from_vector(draw(3.0));
+        add_body(world, Box{{0.02f, 1.0f, 0.02f}},
+                 {.orientation = turn, .linear_velocity = draw(5.0), .angular_velocity = random.range(10.0, 70.0) * glm::normalize(draw(1.0))},
                  {.friction = 0.0f, .restitution = 1.0f});
         const double before = world.energy().total();
         EXPECT_LT(most_energy(world, 400), 1.001 * before) << k;
