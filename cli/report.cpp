@@ -31,14 +31,16 @@ Json plan_json(const Plan& plan) {
 }
 
 Json time_json(const RunRecord& record) {
-    Json by_stage = Json::object();
+    Json by_stage = Json::object(), late = nullptr;
+    if (const auto& l = record.late) late = {{"steps", l->steps}, {"mean", l->mean_ms}, {"p50", l->p50_ms}, {"p99", l->p99_ms}, {"max", l->max_ms}};
     for (Stage stage : all_stages()) {
         by_stage[to_string(stage)] = record.stage_ms[static_cast<std::size_t>(stage)];
     }
     return {{"total", record.total_ms},
             {"mean_step", or_null(record.mean_step_ms)},
             {"p99_step", or_null(record.p99_step_ms)},
-            {"by_stage", by_stage}};
+            {"by_stage", by_stage},
+            {"last_third_cpu", late}};
 }
 
 Json kind_json(const oracle::PenetrationSummary& end, const std::optional<PeakPenetration>& peak, double PeakPenetration::*kind) {
@@ -119,6 +121,7 @@ Json to_json(const RunRecord& record) {
             {"build", {{"version", version()}, {"compiler", compiler()}, {"type", build_type()}, {"simd_width", simd_width()}}},
             {"plan", plan_json(record.plan)},
             {"time_ms", time_json(record)},
+            {"memory", {{"world_bytes", or_null(record.world_bytes)}}},
             {"error", error_json(record)},
             {"speed", {{"max", or_null(record.max_speed)}, {"mean", or_null(record.mean_speed)}}},
             {"direct", direct_json(record.direct)},
@@ -144,6 +147,14 @@ std::string summary(const RunRecord& record) {
             fmt::format_to(out, "  {:<11} {:9.3f} ms {:5.1f} %\n", to_string(stage), ms / record.steps,
                            record.total_ms > 0.0 ? 100.0 * ms / record.total_ms : 0.0);
         }
+    }
+    if (record.late) {
+        fmt::format_to(out, "last third    mean {:.3f} ms of CPU time a step, half within {:.3f}, 99 % within {:.3f}, all within {:.3f} ms\n", record.late->mean_ms,
+                       record.late->p50_ms, record.late->p99_ms, record.late->max_ms);
+    }
+    if (record.world_bytes) {
+        fmt::format_to(out, "memory        {:.1f} MB", static_cast<double>(*record.world_bytes) * 1e-6);
+        fmt::format_to(out, "{}\n", record.bodies > 0 ? fmt::format(", {} bytes a body", *record.world_bytes / record.bodies) : "");
     }
     fmt::format_to(out, "broadphase    {}: {}\n", to_string(record.plan.broadphase.method), record.plan.broadphase.reason);
     const auto penetration = [&](const char* kind, const oracle::PenetrationSummary& end, double PeakPenetration::*peak) {

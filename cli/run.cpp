@@ -1,4 +1,5 @@
 // carom run SCENE|FILE.json: runs a scene from end to end and says how long it took and how wrong it is.
+#include <carom/cli/heap_in_use.hpp>
 #include <carom/cli/progress.hpp>
 #include <carom/cli/recorder.hpp>
 #include <carom/cli/report.hpp>
@@ -50,6 +51,7 @@ std::string files_written(const RunOptions& options) {
 
 ExitCode run(RunOptions& options) {
     options.scene.record_paths = options.recorder.sweeps;
+    const std::optional<std::size_t> heap_before = heap_in_use();
     Result<LoadedScene> loaded = options.scene.load();
     if (!loaded) return fail(ExitCode::BadInput, loaded.error());
     scenes::SceneRun& scene = loaded->run;
@@ -66,6 +68,7 @@ ExitCode run(RunOptions& options) {
         Progress progress(scene.steps);
         return simulate(scene, {.threads = options.scene.threads,
                                 .peak_every = options.peak_every,
+                                .heap_before = recorder ? std::nullopt : heap_before,  // which holds frames of its own
                                 .after_step = [&](int done) {
                                     progress.show(done);
                                     return recorder ? recorder->stepped(scene, done) : Status{};

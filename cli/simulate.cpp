@@ -1,5 +1,7 @@
 #include <carom/cli/simulate.hpp>
 
+#include <carom/cli/heap_in_use.hpp>
+
 #include <carom/core/types.hpp>
 
 #include <glm/geometric.hpp>
@@ -7,6 +9,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <set>
 #include <vector>
 
@@ -36,6 +39,18 @@ void add(ContinuousCounts& sum, const ContinuousCounts& step) {
     sum.overlapping += step.overlapping;
 }
 
+/// Nearest rank: the smallest time that `percent` of the steps do not exceed. @param sorted  not empty
+double percentile(const std::vector<double>& sorted, std::size_t percent) { return sorted[(percent * sorted.size() + 99) / 100 - 1]; }
+
+LateSteps late_steps(const std::vector<double>& cpu_ms) {
+    std::vector<double> last(cpu_ms.end() - static_cast<std::ptrdiff_t>((cpu_ms.size() + 2) / 3), cpu_ms.end());
+    LateSteps late{.steps = static_cast<int>(last.size())};
+    for (const double ms : last) late.mean_ms += ms / static_cast<double>(last.size());
+    std::sort(last.begin(), last.end());
+    late.p50_ms = percentile(last, 50), late.p99_ms = percentile(last, 99), late.max_ms = last.back();
+    return late;
+}
+
 // What is gathered step by step.
 class Observer {
 public:
@@ -49,10 +64,11 @@ public:
         momentum_.bodies_changed(world);
     }
 
-    void stepped(const World& world, const StepReport& report, int done) {
+    void stepped(const World& world, const StepReport& report, double cpu_ms, int done) {
         energy_.stepped(world);
         momentum_.stepped(world);
         step_ms_.push_back(report.total_ms);
+        cpu_ms_.push_back(cpu_ms);
         for (std::size_t i = 0; i < kStageCount; ++i) {
             stage_ms_[i] += report.stage_ms[i];
         }
@@ -81,9 +97,8 @@ public:
         if (!step_ms_.empty()) {
             std::vector<double> sorted = step_ms_;
             std::sort(sorted.begin(), sorted.end());
-            // Nearest rank: the smallest time that 99 % of the steps do not exceed.
-            const std::size_t rank = (99 * sorted.size() + 99) / 100;
-            record.p99_step_ms = sorted[rank - 1];
+            record.p99_step_ms = percentile(sorted, 99);
+            record.late = late_steps(cpu_ms_);
             record.mean_step_ms = record.total_ms / static_cast<double>(sorted.size());
         }
         if (peak_every_ > 0) record.peak = peak_;
@@ -128,7 +143,7 @@ private:
     oracle::EnergyLedger energy_;
     oracle::MomentumLedger momentum_;
     PeakPenetration peak_;
-    std::vector<double> step_ms_;
+    std::vector<double> step_ms_, cpu_ms_;
     std::array<double, kStageCount> stage_ms_{};
     std::set<BodyId> escaped_, quarantined_;
     std::size_t undecided_ = 0, pairs_limited_ = 0, overflow_ = 0, deep_ = 0, contacts_ = 0, manifolds_ = 0;
@@ -178,12 +193,14 @@ Result<RunRecord> simulate(scenes::SceneRun& run, const SimulateSettings& settin
     for (int i = 0; i < run.steps; ++i) {
         run.before_step(i);
         observer.bodies_changed(run.world);
+        const std::clock_t before = std::clock();
         const StepReport report = run.world.step(run.dt);
-        observer.stepped(run.world, report, i + 1);
+        observer.stepped(run.world, report, static_cast<double>(std::clock() - before) * 1e3 / CLOCKS_PER_SEC, i + 1);
         if (settings.after_step) {
             if (Status status = settings.after_step(i + 1); !status) return status.error();
         }
     }
+    if (const auto now = heap_in_use(); now && settings.heap_before && settings.threads == 1) record.world_bytes = *now - std::min(*now, *settings.heap_before);
     observer.write(record);
     look_at_end(run, record);
     return record;

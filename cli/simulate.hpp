@@ -22,6 +22,12 @@ struct PeakPenetration {
     double polytopes = 0.0, round = 0.0, terrain = 0.0;
 };
 
+/// CPU time of the steps of the last third of a run, when what falls has mostly settled: other programs on the machine do not count.
+struct LateSteps {
+    int steps = 0;
+    double mean_ms = 0.0, p50_ms = 0.0, p99_ms = 0.0, max_ms = 0.0;  ///< of the process, all threads together
+};
+
 /// The measurements of a run; docs/cli.md defines each by its key in the JSON report.
 struct RunRecord {
     std::string scene;
@@ -36,6 +42,8 @@ struct RunRecord {
     double total_ms = 0.0;
     std::optional<double> mean_step_ms, p99_step_ms;  ///< none without steps
     std::array<double, kStageCount> stage_ms{};
+    std::optional<LateSteps> late;                    ///< none without steps
+    std::optional<std::size_t> world_bytes;           ///< that building and running the scene allocated and holds; none where it is not known
 
     oracle::Penetration penetration;
     std::optional<PeakPenetration> peak;              ///< none where only the end was looked at
@@ -63,6 +71,7 @@ inline constexpr double kEnergyRule = 1e-3;
 struct SimulateSettings {
     int threads = 1;                             ///< for the record
     int peak_every = 1;                          ///< steps between looks at the penetration; 0: at the end only
+    std::optional<std::size_t> heap_before;      ///< heap_in_use() before the scene was built
     std::function<Status(int done)> after_step;  ///< may be empty; an error ends the run
 };
 

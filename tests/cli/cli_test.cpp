@@ -209,6 +209,12 @@ TEST(Cli, AReportHasEveryKey) {
     const Json& time = json.at("time_ms");
     EXPECT_NEAR(time.at("mean_step").get<double>() * 20, time.at("total").get<double>(), 1e-9 * time.at("total").get<double>());
     EXPECT_GE(time.at("p99_step"), time.at("mean_step"));
+    const Json& late = time.at("last_third_cpu");
+    EXPECT_EQ(late.at("steps"), 7);  // of 20
+    EXPECT_GT(late.at("p50"), 0.0);
+    EXPECT_LE(late.at("p50"), late.at("p99"));
+    EXPECT_LE(late.at("mean"), late.at("max"));
+    EXPECT_EQ(late.at("p99"), late.at("max"));  // the nearest rank of 7
     double sum = 0.0;
     for (const auto& [stage, ms] : time.at("by_stage").items()) {
         sum += ms.get<double>();
@@ -233,10 +239,21 @@ TEST(Cli, AReportHasEveryKey) {
     EXPECT_EQ(json.at("state_hash").get<std::string>().size(), 16u);
 }
 
+// A thousand bodies more take something between half a kilobyte and ten each.
+TEST(Cli, MemoryIsWhatTheBodiesTake) {
+    const auto pile = [](const char* bodies) { return report({"run", "pile_boxes", "--bodies", bodies, "--steps", "3", "--peak-every", "0"}).at("memory").at("world_bytes"); };
+    const Json few = pile("1000"), many = pile("2000");
+    if (few.is_null()) GTEST_SKIP() << "the C library does not say";
+    const double each = (many.get<double>() - few.get<double>()) / 1000.0;
+    EXPECT_GT(each, 500.0);
+    EXPECT_LT(each, 10'000.0);
+}
+
 TEST(Cli, WhatDoesNotApplyIsNull) {
     const Json json = report({"run", "single_body_spin", "--steps", "0"});
     EXPECT_TRUE(json.at("time_ms").at("mean_step").is_null());
     EXPECT_TRUE(json.at("time_ms").at("p99_step").is_null());
+    EXPECT_TRUE(json.at("time_ms").at("last_third_cpu").is_null());
     const Json spin = report({"run", "single_body_spin", "--steps", "10", "--peak-every", "0"});
     EXPECT_LT(spin.at("error").at("angular_momentum_magnitude_drift"), 1e-6);
     EXPECT_TRUE(spin.at("error").at("momentum_drift").is_number());
