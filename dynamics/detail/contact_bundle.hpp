@@ -66,6 +66,7 @@ struct alignas(64) ContactBundle {
     Wide<float> nx{}, ny{}, nz{};         ///< normal from A to B
     FrameMass a, b;
     Wide<float> friction{};
+    Wide<float> curvature{};              ///< of two balls: 1 / (2 × distance of their centres) [1/m]; 0 elsewhere
     Wide<float> turns_a{}, turns_b{};     ///< 0 where the body is a ball: its contact point does not turn with it; 1 elsewhere
     Wide<float> bias_rate{}, mass_scale{}, impulse_scale{};  ///< soft contact (see soft_contact)
     Wide<float> push_limit{};             ///< overlap is removed at this speed at most [m/s]

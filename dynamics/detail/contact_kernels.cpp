@@ -63,6 +63,14 @@ HWY_INLINE Displacement no_displacement() {
     return {zero, {zero, zero, zero}};
 }
 
+/// How far two balls part by moving sideways, off the plane that they touched in at first: |d + s| - |d| = s·n + |s - (s·n) n|² / (2 |d|) to second order.
+CAROM_PASS_INLINE Floats parting(const SolverBodies& all, const std::int32_t* rows_a, const std::int32_t* rows_b, Floats curvature, const Basis& basis) {
+    const float* body = reinterpret_cast<const float*>(all.bodies.data());
+    const TwoRows a = gather_two_rows(body, rows_a, kBodyStride, 8), b = gather_two_rows(body, rows_b, kBodyStride, 8);
+    const Floats3 way = to_frame(basis, Floats3{b.a, b.b, b.c} - Floats3{a.a, a.b, a.c});
+    return curvature * (way.y * way.y + way.z * way.z);
+}
+
 void warm_start_bundle(const ContactBundle& c, SolverBodies& all, int lane) {
     const Basis basis = make_basis(c, lane);
     const Masses masses = read_masses(c, lane);
@@ -100,7 +108,11 @@ CAROM_PASS_INLINE Begun begin(const ContactBundle& c, const SolverBodies& all, i
     const Motion a = read_motion(all, rows_a), b = read_motion(all, rows_b);
     const Basis basis = make_basis(c, lane);
     const Displacement da = kGapsKnown ? no_displacement() : read_displacement(all, rows_a, get(c.turns_a, lane), basis);
-    const Displacement db = kGapsKnown ? no_displacement() : read_displacement(all, rows_b, get(c.turns_b, lane), basis);
+    Displacement db = kGapsKnown ? no_displacement() : read_displacement(all, rows_b, get(c.turns_b, lane), basis);
+    if constexpr (!kGapsKnown) {
+        const Floats curvature = get(c.curvature, lane);
+        if (any(curvature > broadcast(0.0f))) db.shift = db.shift + parting(all, rows_a, rows_b, curvature, basis);
+    }
     const Relative motion = relative_motion(basis, a, b);
     const Floats first_mass = get(c.points[0].tangent_mass, lane);
     const Mask used = first_mass > broadcast(0.0f);

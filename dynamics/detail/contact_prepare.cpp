@@ -123,8 +123,10 @@ CAROM_PASS_INLINE WideManifold read_manifold(ContactBundle& c, int lane, const P
     put(c.friction, lane, friction);
     const Ints balls = as_ints(round);
     const Floats none = broadcast(0.0f), one = broadcast(1.0f);
-    put(c.turns_a, lane, select((balls != Ints{1}) & (balls != Ints{3}), one, none));
-    put(c.turns_b, lane, select((balls != Ints{2}) & (balls != Ints{3}), one, none));
+    const Mask both = balls > Ints{3};
+    put(c.turns_a, lane, select(both | (balls == Ints{1}), none, one));
+    put(c.turns_b, lane, select(both | (balls == Ints{2}), none, one));
+    put(c.curvature, lane, select(both, round, none));
     const Mask meets_fixed = as_ints(fixed) != Ints{0};
     const Floats zero = broadcast(0.0f);
     const auto soft = [&](float among_moving, float with_fixed, Floats in_unused) {

@@ -22,7 +22,7 @@ struct alignas(64) ManifoldRow {
     float origin_a[3] = {};        ///< the manifold's origin from A's centre of mass [m]
     float friction = 0.0f;
     float origin_b[3] = {};        ///< and from B's
-    std::int32_t round = 0;        ///< bits: 1, A is a ball about its centre of mass; 2, B is
+    std::int32_t round = 0;        ///< 1: A is a ball about its centre of mass; 2: B is; both: the bits of the float 1 / (2 × distance of their centres) [1/m]
     std::int32_t row_a = 0, row_b = 0;
     std::int32_t count = 0;        ///< points in use
     std::int32_t meets_fixed = 0;  ///< 1: one of the two cannot give way

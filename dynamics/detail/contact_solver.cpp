@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <utility>
 
@@ -203,6 +204,10 @@ ManifoldRow ContactSolver::row_of(const Manifold& manifold, const Side& a, const
     row.friction =
         combine(surface_a.friction, surface_b.friction, surface_a.friction_rule, surface_b.friction_rule, CombineRule::GeometricMean);
     row.round = (a.of.is_ball ? 1 : 0) + (b.of.is_ball ? 2 : 0);
+    if (row.round == 3) {
+        const double apart = glm::length(b.centre - a.centre);  // a positive float's bits are a number above 3; concentric balls have no direction to part in
+        row.round = std::bit_cast<std::int32_t>(apart > 0.0 ? static_cast<float>(std::clamp(0.5 / apart, 1e-30, 1e30)) : 1e-30f);
+    }
     row.row_a = a.row;
     row.row_b = b.row;
     row.count = static_cast<std::int32_t>(manifold.count);

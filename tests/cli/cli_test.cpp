@@ -239,16 +239,6 @@ TEST(Cli, AReportHasEveryKey) {
     EXPECT_EQ(json.at("state_hash").get<std::string>().size(), 16u);
 }
 
-// A thousand bodies more take something between half a kilobyte and ten each.
-TEST(Cli, MemoryIsWhatTheBodiesTake) {
-    const auto pile = [](const char* bodies) { return report({"run", "pile_boxes", "--bodies", bodies, "--steps", "3", "--peak-every", "0"}).at("memory").at("world_bytes"); };
-    const Json few = pile("1000"), many = pile("2000");
-    if (few.is_null()) GTEST_SKIP() << "the C library does not say";
-    const double each = (many.get<double>() - few.get<double>()) / 1000.0;
-    EXPECT_GT(each, 500.0);
-    EXPECT_LT(each, 10'000.0);
-}
-
 TEST(Cli, WhatDoesNotApplyIsNull) {
     const Json json = report({"run", "single_body_spin", "--steps", "0"});
     EXPECT_TRUE(json.at("time_ms").at("mean_step").is_null());
