@@ -167,6 +167,7 @@ Impact find_impact(const MovingPair& pair, const TimeOfImpactSettings& settings,
             const Slide slide = slide_cores({a, b, pair.along, t, until, least, near});
             t = slide.passes ? std::numeric_limits<double>::infinity() : slide.t;
             *closest = slide.closest;
+            last = slide.normal;
             ++impact.checks;
         }
     }

@@ -24,15 +24,24 @@ public:
     }
 
     Proximity run(DistanceCache* cache) noexcept {
-        if (cache == nullptr || !resume(*cache)) begin();  // from a tetrahedron there would be no upper bound, if it proves nothing
-        result_.status = search();
-        if (result_.status == DistanceStatus::Rounding) result_.status = square_to_feature();
+        const bool resumed = cache != nullptr && resume(*cache);  // from a tetrahedron there would be no upper bound, if it proves nothing
+        if (!resumed) begin();
+        look();
+        if (resumed && result_.status == DistanceStatus::Rounding) {  // the corners may lie on a line, from which no search goes on
+            begin();
+            look();
+        }
         if (cache != nullptr) keep(*cache);
         if (result_.status == DistanceStatus::Overlap) result_.lower = result_.upper = 0.0;
         return result_;
     }
 
 private:
+    void look() noexcept {
+        result_.status = search();
+        if (result_.status == DistanceStatus::Rounding) result_.status = square_to_feature();
+    }
+
     // The support plane across `v` counts as a bound; its point is returned. `v` points from b to a.
     Corner probe(const dvec3& v, double length) noexcept {
         Corner next;

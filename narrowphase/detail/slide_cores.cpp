@@ -42,6 +42,7 @@ private:
     bool advance(const dvec3& v, double length, const dvec3& w) noexcept {
         const double gap = glm::dot(v, w - shift_) / length - in_.least;
         if (!(gap > 0.0)) return false;
+        out_.normal = v * (-1.0 / length);
         const double closing = glm::dot(v, in_.along) / length;  // per unit of t
         if (gap - closing * (1.0 - out_.t) >= 0.0) {
             out_.passes = true;

@@ -24,6 +24,7 @@ struct Slide {
     double t = 0.0;         ///< nothing touches before
     bool passes = false;    ///< nor up to `until`
     DistanceCache closest;  ///< the last simplex
+    dvec3 normal{0.0};      ///< of the last plane that parted the two: unit, from A to B; zero where none did
 };
 
 /// Ray casting by GJK (van den Bergen, Ray Casting against General Convex Objects with Application to Continuous Collision Detection, 2004): each support plane that
