@@ -173,6 +173,9 @@ void Continuous::list_strays(const ContinuousScene& scene) {
         }
     });
     list_marked(is_stray_, strays_);
+    number_of_stray_.assign(is_stray_.size(), kNone);
+    stray_boxes_.clear();
+    for (const std::uint32_t slot : strays_) note_way(slot, movers_[mover_of(scene, slot)].path);
 }
 
 BodyState Continuous::state_at(const ContinuousScene& scene, const Mover& mover, double t) const {
@@ -277,6 +280,15 @@ bool Continuous::may_meet(const ContinuousScene& scene, std::uint32_t p, std::ui
            filters_agree(scene.proxies.filters[p], scene.proxies.filters[q]) && !scene.parted(body_p, body_q);
 }
 
+void Continuous::note_way(std::uint32_t slot, const BodyPath& path) {
+    std::uint32_t& number = number_of_stray_[slot];
+    if (number == kNone) {
+        number = static_cast<std::uint32_t>(stray_boxes_.size());
+        stray_boxes_.emplace_back();
+    }
+    stray_boxes_[number] = path.box(sizes_[slot].reach);
+}
+
 void Continuous::for_each_near(const ContinuousScene& scene, const Mover& mover, std::uint32_t proxy, Ask ask, FunctionRef<void(std::uint32_t q)> visit) {
     const std::uint64_t look = ++look_;
     seen_.resize(scene.proxies.by_slot.size(), 0);
@@ -296,9 +308,9 @@ void Continuous::for_each_near(const ContinuousScene& scene, const Mover& mover,
     if (ask == Ask::Everybody) query_swept_box(scene.broadphase, at - round, at + round, way.translation, see);
     for (const std::uint32_t plane : scene.proxies.planes) see(plane);
     const Aabb box = box_of(way, reach);
-    for (std::size_t k = 0; k < strays_.size(); ++k) {
+    for (std::size_t k = 0; k < strays_.size(); ++k) {  // visits may add some
         const std::uint32_t slot = strays_[k];
-        if (slot == mover.slot || !overlaps(box, movers_[mover_of(scene, slot)].path.box(sizes_[slot].reach))) continue;
+        if (!overlaps(box, stray_boxes_[k]) || slot == mover.slot) continue;
         for (std::uint32_t i = first_proxy_[slot]; i < first_proxy_[slot + 1]; ++i) see(proxies_[i]);
     }
 }

@@ -134,6 +134,8 @@ private:
     [[nodiscard]] FollowFinding finding_of(const ContinuousScene& scene, std::uint32_t slot) const;
     [[nodiscard]] bool is_fast(const ContinuousScene& scene, std::uint32_t slot) const;
     void list_strays(const ContinuousScene& scene);
+    /// Of a stray, or of what has become one.
+    void note_way(std::uint32_t slot, const BodyPath& path);
     [[nodiscard]] bool may_stray(const ContinuousScene& scene, std::uint32_t slot) const;
 
     std::uint32_t mover_of(const ContinuousScene& scene, std::uint32_t slot);
@@ -182,6 +184,8 @@ private:
     std::vector<std::uint32_t> fast_;          // slots
     std::vector<unsigned char> is_fast_;       // by slot
     std::vector<std::uint32_t> strays_;        // slots
+    std::vector<Aabb> stray_boxes_;            // that their ways lie in
+    std::vector<std::uint32_t> number_of_stray_;  // by slot: in these
     std::vector<unsigned char> is_stray_;      // by slot
     std::vector<std::uint32_t> mover_of_slot_;
     struct alignas(64) FastPairs {             // what one thread found

@@ -274,7 +274,8 @@ void Continuous::strike(const ContinuousScene& scene, std::uint32_t number, doub
         take_back_pull(mover.flight.start.velocity, (1.0 - t) * scene.dt * (scene.free_motion(mover.slot).acceleration - mover.flight.motion.acceleration));
     }
     lay_path(scene, mover);
-    if (std::find(strays_.begin(), strays_.end(), mover.slot) == strays_.end()) strays_.push_back(mover.slot);
+    if (number_of_stray_[mover.slot] == kNone) strays_.push_back(mover.slot);
+    note_way(mover.slot, mover.path);
 }
 
 void Continuous::note_leg(std::uint32_t number, double end) {
