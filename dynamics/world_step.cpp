@@ -163,8 +163,8 @@ void World::Impl::find_contacts(dynamics::Step& step, const dynamics::Motion& mo
                    : collide(placed, candidates, threads(), collide_scratch, found);
         step.report.undecided = counts.undecided;
         step.report.reused = counts.reused;
-        dynamics::link_manifolds(contacts, [&](std::uint32_t i) { return dynamics::contact_pair(proxies, candidates[i]); }, threads());
-        dynamics::carry_impulses(contacts, previous, impulse_scale(motion.dt), threads());
+        const auto pair_of = [&](std::uint32_t i) { return dynamics::contact_pair(proxies, candidates[i]); };
+        dynamics::link_manifolds(contacts, pair_of, previous, impulse_scale(motion.dt), threads());
     });
 }
 

@@ -95,53 +95,59 @@ void list_firsts(ContactSet& contacts, Executor& executor) {
     firsts[count] = static_cast<std::uint32_t>(manifolds.size());
 }
 
+/// Pairs [begin, end).
+ContactSummary link_part(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t candidate)> make, std::size_t begin, std::size_t end) {
+    std::vector<Manifold>& manifolds = contacts.manifolds;
+    ContactSummary sum;
+    for (std::size_t i = begin; i < end; ++i) {
+        const std::uint32_t first = contacts.firsts[i], next = contacts.firsts[i + 1];
+        ContactPair& pair = contacts.pairs[i];
+        pair = make(manifolds[first].pair);
+        pair.first_manifold = first;
+        pair.manifold_count = next - first;
+        for (std::uint32_t m = first; m < next; ++m) {
+            manifolds[m].pair = static_cast<std::uint32_t>(i);
+            sum_up(manifolds[m], sum);
+        }
+    }
+    return sum;
+}
+
+/// Of pairs [begin, end), which are linked.
+void carry_part(ContactSet& contacts, const ContactSet& before, float scale, std::size_t begin, std::size_t end) {
+    const std::vector<ContactPair>& old_pairs = before.pairs;
+    auto old = std::ranges::lower_bound(old_pairs, contacts.pairs[begin].key, {}, &ContactPair::key);
+    for (std::size_t i = begin; i < end; ++i) {
+        const ContactPair& pair = contacts.pairs[i];
+        while (old != old_pairs.end() && old->key < pair.key) ++old;
+        // Slots are reused: the same key with another generation is another pair.
+        const bool known = old != old_pairs.end() && old->key == pair.key && old->shape_a == pair.shape_a && old->shape_b == pair.shape_b;
+        for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
+            if (known) {
+                carry_manifold(contacts.manifolds[m], contacts.impulses[m], before, *old, scale);
+            } else {
+                contacts.impulses[m] = {};
+            }
+        }
+    }
+}
+
 }  // namespace
 
-void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t candidate)> make, Executor& executor) {
-    std::vector<Manifold>& manifolds = contacts.manifolds;
+void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t candidate)> make, const ContactSet& before, float scale,
+                    Executor& executor) {
     list_firsts(contacts, executor);
     const std::size_t count = contacts.firsts.size() - 1;
     contacts.pairs.resize(count);
+    contacts.impulses.resize(contacts.manifolds.size());
     contacts.parts.assign(part_count(count), {});
     for_parts(count, executor, [&](std::size_t part, std::size_t begin, std::size_t end) {
-        ContactSummary sum;
-        for (std::size_t i = begin; i < end; ++i) {
-            const std::uint32_t first = contacts.firsts[i], next = contacts.firsts[i + 1];
-            ContactPair& pair = contacts.pairs[i];
-            pair = make(manifolds[first].pair);
-            pair.first_manifold = first;
-            pair.manifold_count = next - first;
-            for (std::uint32_t m = first; m < next; ++m) {
-                manifolds[m].pair = static_cast<std::uint32_t>(i);
-                sum_up(manifolds[m], sum);
-            }
-        }
-        contacts.parts[part] = sum;
+        contacts.parts[part] = link_part(contacts, make, begin, end);
+        carry_part(contacts, before, scale, begin, end);  // while they are in the cache
     });
     contacts.summary = {};
     for (const ContactSummary& part : contacts.parts) add(contacts.summary, part);
     if (contacts.summary.touching > 0) contacts.summary.mean_penetration /= static_cast<double>(contacts.summary.touching);
-}
-
-void carry_impulses(ContactSet& contacts, const ContactSet& before, float scale, Executor& executor) {
-    contacts.impulses.resize(contacts.manifolds.size());
-    const std::vector<ContactPair>& old_pairs = before.pairs;
-    for_parts(contacts.pairs.size(), executor, [&](std::size_t, std::size_t begin, std::size_t end) {
-        auto old = std::ranges::lower_bound(old_pairs, contacts.pairs[begin].key, {}, &ContactPair::key);
-        for (std::size_t i = begin; i < end; ++i) {
-            const ContactPair& pair = contacts.pairs[i];
-            while (old != old_pairs.end() && old->key < pair.key) ++old;
-            // Slots are reused: the same key with another generation is another pair.
-            const bool known = old != old_pairs.end() && old->key == pair.key && old->shape_a == pair.shape_a && old->shape_b == pair.shape_b;
-            for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
-                if (known) {
-                    carry_manifold(contacts.manifolds[m], contacts.impulses[m], before, *old, scale);
-                } else {
-                    contacts.impulses[m] = {};
-                }
-            }
-        }
-    });
 }
 
 }  // namespace carom::dynamics

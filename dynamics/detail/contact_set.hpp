@@ -56,12 +56,10 @@ struct ContactSet {
 };
 
 /// Makes a pair of each candidate that has manifolds, by `make` and in their order, numbers the manifolds' pairs by it, and sums the manifolds
-/// up, in parts of fixed length: the same bits on every number of threads.
-void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t candidate)> make, Executor& executor);
-
-/// Gives each point the impulses that the point of the same feature and the same pair had in `before`, times `scale` (the ratio
-/// of the substeps: forces stay, impulses do not); zero where it is new. Where several points share a feature, the n-th gets
-/// the n-th one's. Cost: linear in the two sets.
-void carry_impulses(ContactSet& contacts, const ContactSet& before, float scale, Executor& executor);
+/// up. Gives each point the impulses that the point of the same feature and the same pair had in `before`, times `scale` (the ratio of the
+/// substeps: forces stay, impulses do not); zero where it is new. Where several points share a feature, the n-th gets the n-th one's.
+/// In parts of fixed length: the same bits on every number of threads. Cost: linear in the two sets.
+void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t candidate)> make, const ContactSet& before, float scale,
+                    Executor& executor);
 
 }  // namespace carom::dynamics

@@ -15,7 +15,8 @@ Manifold manifold_of(std::uint32_t pair, std::initializer_list<std::uint64_t> fe
     return m;
 }
 
-ContactSet set_of(std::initializer_list<std::uint64_t> keys, std::vector<Manifold> manifolds) {
+ContactSet set_of(std::initializer_list<std::uint64_t> keys, std::vector<Manifold> manifolds, const ContactSet& before = {}, float scale = 1.0f,
+                  std::uint32_t generation = 7) {
     ContactSet set;
     set.manifolds = std::move(manifolds);
     const std::vector<std::uint64_t> all(keys);
@@ -24,10 +25,9 @@ ContactSet set_of(std::initializer_list<std::uint64_t> keys, std::vector<Manifol
         ContactPair pair;
         pair.key = all[candidate];
         pair.shape_a = {1, 7};
-        pair.shape_b = {2, 7};
+        pair.shape_b = {2, generation};
         return pair;
-    }, executor);
-    set.impulses.resize(set.manifolds.size());
+    }, before, scale, executor);
     return set;
 }
 
@@ -64,7 +64,7 @@ TEST(ContactSet, PairsOfManyPartsAreThoseOfOneOnAnyThreads) {
             test::OddExecutor executor(threads, how);
             ContactSet set;
             set.manifolds = manifolds;
-            link_manifolds(set, make, executor);
+            link_manifolds(set, make, set_of({5}, {manifold_of(0, {1})}), 1.0f, executor);
             ASSERT_EQ(set.pairs.size(), sizes.size()) << name;
             std::uint32_t next = 0;
             for (std::size_t i = 0; i < sizes.size(); ++i) {
@@ -84,9 +84,7 @@ TEST(ContactSet, ImpulsesFollowTheFeatureWithinThePair) {
     before.impulses[0][1].normal = 3.0f;
     before.impulses[0][1].friction = {1.0f, 2.0f, 3.0f};
     before.impulses[1][0].normal = 9.0f;
-    ContactSet now = set_of({10, 15, 20}, {manifold_of(0, {6, 7}), manifold_of(1, {5}), manifold_of(2, {4, 5})});
-    SerialExecutor executor;
-    carry_impulses(now, before, 1.0f, executor);
+    const ContactSet now = set_of({10, 15, 20}, {manifold_of(0, {6, 7}), manifold_of(1, {5}), manifold_of(2, {4, 5})}, before);
     EXPECT_EQ(now.impulses[0][0].normal, 3.0f);
     EXPECT_EQ(now.impulses[0][0].friction, vec3(1.0f, 2.0f, 3.0f));
     EXPECT_EQ(now.impulses[0][1].normal, 0.0f) << "a new feature starts from nothing";
@@ -98,9 +96,7 @@ TEST(ContactSet, ImpulsesScaleWithTheSubstepAndTwinsKeepTheirOwn) {
     ContactSet before = set_of({10}, {manifold_of(0, {5, 5})});
     before.impulses[0][0].normal = 2.0f;
     before.impulses[0][1].normal = 6.0f;
-    ContactSet now = set_of({10}, {manifold_of(0, {5, 5, 5})});
-    SerialExecutor executor;
-    carry_impulses(now, before, 0.5f, executor);
+    const ContactSet now = set_of({10}, {manifold_of(0, {5, 5, 5})}, before, 0.5f);
     EXPECT_EQ(now.impulses[0][0].normal, 1.0f);
     EXPECT_EQ(now.impulses[0][1].normal, 3.0f);
     EXPECT_EQ(now.impulses[0][2].normal, 0.0f);
@@ -109,9 +105,7 @@ TEST(ContactSet, ImpulsesScaleWithTheSubstepAndTwinsKeepTheirOwn) {
 TEST(ContactSet, ImpulsesOfTheSamePointsScaleToo) {
     ContactSet before = set_of({10}, {manifold_of(0, {5, 6})});
     before.impulses[0][1] = {4.0f, {2.0f, 6.0f, 8.0f}};
-    ContactSet now = set_of({10}, {manifold_of(0, {5, 6})});
-    SerialExecutor executor;
-    carry_impulses(now, before, 0.5f, executor);
+    const ContactSet now = set_of({10}, {manifold_of(0, {5, 6})}, before, 0.5f);
     EXPECT_EQ(now.impulses[0][1].normal, 2.0f);
     EXPECT_EQ(now.impulses[0][1].friction, vec3(1.0f, 3.0f, 4.0f));
 }
@@ -119,11 +113,8 @@ TEST(ContactSet, ImpulsesOfTheSamePointsScaleToo) {
 TEST(ContactSet, AnotherGenerationIsAnotherPair) {
     ContactSet before = set_of({10}, {manifold_of(0, {5})});
     before.impulses[0][0].normal = 3.0f;
-    ContactSet now = set_of({10}, {manifold_of(0, {5})});
-    now.pairs[0].shape_b.generation = 8;
-    SerialExecutor executor;
-    carry_impulses(now, before, 1.0f, executor);
-    EXPECT_EQ(now.impulses[0][0].normal, 0.0f);
+    EXPECT_EQ(set_of({10}, {manifold_of(0, {5})}, before).impulses[0][0].normal, 3.0f);
+    EXPECT_EQ(set_of({10}, {manifold_of(0, {5})}, before, 1.0f, 8).impulses[0][0].normal, 0.0f);
 }
 
 TEST(ContactSet, SummaryCountsOverlapsOnly) {
