@@ -48,7 +48,7 @@ bool had_contacts(const LastPaths& last, const SweptPair& pair) {
     return found != last.contacts.pairs.end() && found->key == key && found->manifold_count > 0;
 }
 
-SweepImpact impact_of(const LastPaths& last, const PathImpact& impact, const std::vector<dynamics::BodyMass>& masses) {
+SweepImpact impact_of(const LastPaths& last, const PathImpact& impact) {
     const Proxy &a = last.proxies.by_slot[impact.a], &b = last.proxies.by_slot[impact.b];
     SweepImpact out{.body_a = a.owner, .body_b = b.owner, .shape_a = a.id, .shape_b = b.id};
     out.t = impact.t;
@@ -57,14 +57,14 @@ SweepImpact impact_of(const LastPaths& last, const PathImpact& impact, const std
     out.watched = dynamics::kRestOfLevel[impact.level];
     out.point = impact.point, out.normal = impact.normal;
     out.blow = impact.blow;
-    out.pose_a = impact.pose_a * inverse(masses[a.body].principal);
-    out.pose_b = impact.pose_b * inverse(masses[b.body].principal);
+    out.pose_a = impact.pose_a * inverse(last.paths.bodies[a.body].mass.principal);
+    out.pose_b = impact.pose_b * inverse(last.paths.bodies[b.body].mass.principal);
     // Found anew, from the impact before it.
     double begin = 0.0;
     for (const dynamics::PathLeg& leg : last.paths.legs) {
         if ((leg.slot == a.body || leg.slot == b.body) && leg.begin < impact.t) begin = std::max(begin, leg.begin);
     }
-    RecordedPath path_a(last.paths, a.body, masses[a.body]), path_b(last.paths, b.body, masses[b.body]);
+    RecordedPath path_a(last.paths, a.body), path_b(last.paths, b.body);
     PairSweep sweep(last.paths, last.proxies, {impact.a, impact.b}, path_a, path_b);
     out.advances = sweep.looks(impact.level, begin);
     return out;
@@ -84,7 +84,7 @@ void add_impacts(const LastPaths& last, std::vector<SweepImpact>& out, const Wan
     for (const PathImpact& impact : last.paths.impacts) {
         if (!known(last, impact.id_a) || !known(last, impact.id_b)) continue;
         if (wanted(last.proxies.by_slot[impact.a].owner) || wanted(last.proxies.by_slot[impact.b].owner))
-            out.push_back(impact_of(last, impact, last.arrays.masses));
+            out.push_back(impact_of(last, impact));
     }
 }
 
@@ -106,7 +106,7 @@ struct World::Impl::SweepJudge {
         const auto either = [&](Following f) { return why.a.reason == f || why.b.reason == f; };
         if (!dynamics::has_mass(role(slot_a)) && !dynamics::has_mass(role(slot_b))) return SweepReason::NeitherDynamic;
         if (!dynamics::filters_agree(p.filters[pair.a], p.filters[pair.b])) return SweepReason::Filter;
-        if (w.joints.parts_any() && w.joints.parts(slot_a, slot_b)) return SweepReason::Joined;
+        if (dynamics::JointSet::parts(last.paths.parted, slot_a, slot_b)) return SweepReason::Joined;
         if (sweep.plane_turns()) return SweepReason::TurningPlane;
         if (either(Following::Off)) return SweepReason::Off;
         if (!either(Following::Followed)) {
@@ -196,7 +196,7 @@ SweepExplanation World::Impl::judge_sweep(BodyId a, BodyId b, bool brief) const 
                  : !paths.is_there                            ? SweepReason::NoStep
                                                               : SweepReason::OutOfStep;
     if (why.reason != SweepReason::OutOfStep || !paths.has(a) || !paths.has(b)) return why;
-    RecordedPath path_a(paths, a.slot, arrays.masses[a.slot]), path_b(paths, b.slot, arrays.masses[b.slot]);
+    RecordedPath path_a(paths, a.slot), path_b(paths, b.slot);
     SweepJudge judge{*this, last, why, path_a, path_b, brief};
     for (const ShapeId shape_a : of_a.shapes) {
         for (const ShapeId shape_b : of_b.shapes) {
@@ -266,8 +266,8 @@ Pose World::pose_within_step(BodyId body, double t) const {
     CAROM_REQUIRE(t >= 0.0 && t <= 1.0, is_finite(t) ? ErrorCode::InvalidArgument : ErrorCode::NotFinite, "t must be within 0 .. 1",
                   w.body_pose(body));
     if (!w.paths.has(body)) return w.body_pose(body);
-    const RecordedPath path(w.paths, body.slot, w.arrays.masses[body.slot]);
-    return path.pose_at(t) * inverse(w.arrays.masses[body.slot].principal);
+    const RecordedPath path(w.paths, body.slot);
+    return path.pose_at(t) * inverse(w.paths.bodies[body.slot].mass.principal);
 }
 
 }  // namespace carom

@@ -63,6 +63,7 @@ void World::Impl::follow(dynamics::Step& step, double dt) {
     const dynamics::ContinuousScene scene{proxies, broadphase, arrays, dt, threads(), start, velocity, motion, parted, wake_slot};
     if (def.record_paths) {
         continuous.record(scene, paths);
+        paths.parted = joints.parted();
         paths.ids.assign(arrays.roles.size(), BodyId{});
         for (const BodyId id : body_order) paths.ids[id.slot] = id;
     }

@@ -33,7 +33,11 @@ bool is_thin(const ConvexCore& core) noexcept { return core.kind == ConvexCore::
 dvec3 across(const CorePair& pair) noexcept {
     const dvec3 u = pair.a.half.y * pair.a.axes[1], v = pair.b.half.y * pair.b.axes[1], n = glm::cross(u, v);
     const double nn = glm::dot(n, n), uu = glm::dot(u, u), vv = glm::dot(v, v);
-    if (nn > 1e-24 * uu * vv && nn > 0.0) return n / std::sqrt(nn);
+    if (nn > 1e-24 * uu * vv && nn > 0.0) {
+        // Of nearly parallel ones rounding tilts it by some 1e-16 over the angle. Once it is square to one it is so to the other, in which it is tilted by the angle less.
+        const dvec3 unit = n / std::sqrt(nn), square = unit - (glm::dot(unit, u) / uu) * u;
+        return square / glm::length(square);
+    }
     if (uu > 0.0) return any_perpendicular(u / std::sqrt(uu));
     return vv > 0.0 ? any_perpendicular(v / std::sqrt(vv)) : dvec3{0.0, 1.0, 0.0};
 }

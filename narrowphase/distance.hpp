@@ -30,8 +30,9 @@ enum class DistanceStatus : unsigned char {
 [[nodiscard]] const char* to_string(DistanceStatus status) noexcept;
 
 struct DistanceSettings {
-    double tolerance = 0.0;     ///< bounds this near, as a share of the upper one, are near enough; 0: as near as rounding lets them
-    int most_iterations = 128;  ///< >= 1. Shapes that touch to within rounding take up to 128 support points more
+    double tolerance = 0.0;     ///< bounds this near, as a share of the upper one (of spheres and capsules: of that of their centres and
+                                ///< segments, radii not taken off), are near enough; 0: as near as rounding lets them
+    int most_iterations = 128;  ///< >= 1. Two boxes may take up to six more, and shapes that touch to within rounding take up to 128 support points more
 };
 
 /// Where a search ended, for the next one of the same two shapes to begin: the numbers of the corners of the last simplex. Of another pair

@@ -116,7 +116,9 @@ Chord parallel_chord(const AxisFrame& f, double radius) noexcept {
 /// Where the line is in the infinite cone f.height >= 0, |across| <= radius height; `f` starts near the tip.
 std::optional<Chord> cone_chord(const AxisFrame& f, double radius) noexcept {
     const double drift_sq = glm::dot(f.drift, f.drift);
-    if (drift_sq == 0.0 && f.climb != 0.0) return parallel_chord(f, radius);
+    // Less than what rounding makes of the radius on the way: squares and products of so little may underflow in part.
+    const bool parallel = drift_sq == 0.0 || largest(f.drift) <= 0x1p-60 * radius * std::abs(f.climb);
+    if (parallel && f.climb != 0.0) return parallel_chord(f, radius);
     const double a = 0.0 + (drift_sq - radius * f.climb * (radius * f.climb));  // never -0
     const double b = glm::dot(f.across, f.drift) - radius * f.height * (radius * f.climb);
     const double c = glm::dot(f.across, f.across) - radius * f.height * (radius * f.height);

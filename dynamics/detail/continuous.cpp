@@ -1,6 +1,7 @@
 #include <carom/dynamics/detail/continuous.hpp>
 
 #include <carom/broadphase/queries.hpp>
+#include <carom/dynamics/detail/slender.hpp>
 #include <carom/dynamics/detail/strays.hpp>
 
 #include <algorithm>
@@ -135,6 +136,7 @@ void Continuous::record(const ContinuousScene& scene, StepPaths& paths) {
         body.flies = flies(scene, slot);
         if (body.flies) body.start = departures_[slot].start;
         body.motion = scene.free_motion(slot);
+        body.mass = scene.bodies.masses[slot];
         body.follow = finding_of(scene, slot);
     }
     paths_ = &paths;
@@ -186,6 +188,10 @@ BodyState Continuous::state_at(const ContinuousScene& scene, const Mover& mover,
         return state;
     }
     BodyState state = scene.bodies.states[mover.slot];
+    const BodyMass& mass = scene.bodies.masses[mover.slot];
+    if (has_mass(scene.bodies.roles[mover.slot]) && is_slender(mass)) {
+        return slender_before(state, mass, pose_at(mover.path.piece(BodyPath::kWhole), t), (1.0 - t) * scene.dt);
+    }
     const dvec3 spin = rotate_inverse(state.pose.orientation, state.spin);  // in the body, with which it turns
     state.pose = pose_at(mover.path.piece(BodyPath::kWhole), t);
     state.spin = rotate(state.pose.orientation, spin);

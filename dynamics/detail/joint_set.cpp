@@ -40,8 +40,8 @@ void JointSet::erase_of(BodyId body) {
     order_.erase(gone.begin(), gone.end());
 }
 
-bool JointSet::parts(std::uint32_t slot_a, std::uint32_t slot_b) const noexcept {
-    return std::ranges::binary_search(parted_, key_of(slot_a, slot_b));
+bool JointSet::parts(std::span<const std::uint64_t> parted, std::uint32_t slot_a, std::uint32_t slot_b) noexcept {
+    return std::ranges::binary_search(parted, key_of(slot_a, slot_b));
 }
 
 void JointSet::note(const JointDef& def, bool comes) {

@@ -44,7 +44,10 @@ public:
     /// @return whether there is any pair of bodies whose contacts are left out.
     [[nodiscard]] bool parts_any() const noexcept { return !parted_.empty(); }
     /// @return whether contacts between the bodies in two slots are left out.
-    [[nodiscard]] bool parts(std::uint32_t slot_a, std::uint32_t slot_b) const noexcept;
+    [[nodiscard]] bool parts(std::uint32_t slot_a, std::uint32_t slot_b) const noexcept { return parts(parted_, slot_a, slot_b); }
+    /// The same as it was when `parted` was kept.
+    [[nodiscard]] static bool parts(std::span<const std::uint64_t> parted, std::uint32_t slot_a, std::uint32_t slot_b) noexcept;
+    [[nodiscard]] const std::vector<std::uint64_t>& parted() const noexcept { return parted_; }
 
 private:
     /// Counts a change, and the pair of bodies that a joint parts, where it does: it comes or goes.

@@ -6,7 +6,7 @@
 
 namespace carom::dynamics {
 
-RecordedPath::RecordedPath(const StepPaths& paths, std::uint32_t slot, const BodyMass& mass) : mass_(mass), dt_(paths.dt) {
+RecordedPath::RecordedPath(const StepPaths& paths, std::uint32_t slot) : mass_(paths.bodies[slot].mass), dt_(paths.dt) {
     const BodyStep& body = paths.bodies[slot];
     const PathSettings settings = path_settings(paths.sizes[slot], paths.dt);
     for (const PathLeg& leg : paths.legs) {
@@ -21,7 +21,7 @@ RecordedPath::RecordedPath(const StepPaths& paths, std::uint32_t slot, const Bod
         whole.path.go(moves ? chord(body.start.pose, body.moved.pose, paths.dt * body.moved.spin) : PathPiece{.start = body.moved.pose});
     }
     for (Leg& leg : legs_) {
-        if (leg.flies) leg.path.fly(leg.flight, mass, leg.begin, settings);
+        if (leg.flies) leg.path.fly(leg.flight, mass_, leg.begin, settings);
     }
 }
 

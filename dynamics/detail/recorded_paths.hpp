@@ -1,6 +1,6 @@
 // The paths of a step that was written down, to be searched again.
 //
-//   RecordedPath a(paths, slot_a, mass_a), b(paths, slot_b, mass_b);
+//   RecordedPath a(paths, slot_a), b(paths, slot_b);
 //   if (touch_along(a, b, search, cores)) search.t;
 #pragma once
 
@@ -21,8 +21,8 @@ public:
         BodyPath path;
     };
 
-    /// @param mass  outlives this.
-    RecordedPath(const StepPaths& paths, std::uint32_t slot, const BodyMass& mass);
+    /// @param paths  outlives this.
+    RecordedPath(const StepPaths& paths, std::uint32_t slot);
 
     [[nodiscard]] std::vector<Leg>& legs() noexcept { return legs_; }
     /// @return where the principal frame was, by the integrator where it flew.

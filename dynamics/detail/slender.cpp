@@ -62,6 +62,18 @@ void SlenderMotion::finish(BodyState& state, const BodyMass& mass) const noexcep
     if (after > before) state.spin *= std::sqrt(before / after);
 }
 
+BodyState slender_before(const BodyState& end, const BodyMass& mass, const Pose& pose, double h) noexcept {
+    BodyState state{pose, end.velocity, end.spin};
+    const SlenderMotion then(end, mass), now(state, mass);
+    const dvec3 spin = then.precessed(end.spin, -h);
+    const double along = glm::dot(then.axis, spin), cosine = glm::dot(then.axis, now.axis);
+    const dvec3 across = spin - along * then.axis, arc = glm::cross(then.axis, now.axis);  // the shortest from axis to axis
+    const double bend = 1.0 + cosine;
+    const dvec3 carried = bend > 0.0 ? across + glm::cross(arc, across) + glm::cross(arc, glm::cross(arc, across)) / bend : -across;
+    state.spin = along * now.axis + carried;
+    return state;
+}
+
 void SlenderRows::list(const BodyArrays& bodies, std::span<const std::uint32_t> slot_of_row, std::span<const unsigned char> slender,
                        double dt, int substeps) {
     h_ = dt / substeps;

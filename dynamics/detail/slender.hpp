@@ -38,6 +38,10 @@ struct SlenderMotion {
     void finish(BodyState& state, const BodyMass& mass) const noexcept;
 };
 
+/// @return the state that a slender body has in `pose`, which is that of h [s] before `end` on the way that contacts led it: the spin along goes with the axis,
+/// the spin across with it and back about it by its precession. The spin as the body sees it would not do: seen from a rod that spins it turns with the twist.
+[[nodiscard]] BodyState slender_before(const BodyState& end, const BodyMass& mass, const Pose& pose, double h) noexcept;
+
 class SlenderRows {
 public:
     /// @param slender  by row: 1 for those that are; is_slender() and of no joint

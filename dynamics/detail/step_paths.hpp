@@ -18,6 +18,7 @@ struct BodyStep {
     BodyState start;  ///< of one that flew; else its pose alone
     BodyState moved;  ///< as the solver left it
     FreeMotion motion;
+    BodyMass mass;
     Role role = Role::Absent;
     bool flies = false;  ///< all the way: nothing has moved it since
     FollowFinding follow;
@@ -58,6 +59,7 @@ struct StepPaths {
     std::vector<PathLeg> legs;     // of a body in the order of their times
     std::vector<PathImpact> impacts;
     std::vector<DeepPair> deep;
+    std::vector<std::uint64_t> parted;  // JointSet::parted()
 
     /// @return whether the step had this body, and it is not quarantined.
     [[nodiscard]] bool has(BodyId body) const noexcept {

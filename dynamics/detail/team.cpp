@@ -44,6 +44,10 @@ void Team::run(Executor& executor, FunctionRef<void()> work) {
         loop_.fetch_add(1, std::memory_order_release);
         loop_.notify_all();
     };
+    const struct Leave {  // an executor may throw itself
+        int& threads;
+        ~Leave() { threads = 0; }
+    } leave{threads_};
     executor.parallel_for(static_cast<std::size_t>(threads_), 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             if (!has_leader_.exchange(true, std::memory_order_relaxed)) {
@@ -53,7 +57,6 @@ void Team::run(Executor& executor, FunctionRef<void()> work) {
             }
         }
     });
-    threads_ = 0;
     if (thrown) std::rethrow_exception(thrown);
 }
 

@@ -89,8 +89,7 @@ private:
         const double depth = std::max(depth_below(a_.half, in_a), depth_below(b_.half, in_b));
         const dvec3 gap = axes_a_ * in_a - (between_ + axes_b_ * in_b);
         if (!(0.5 * depth > rounding_ + std::abs(gap.x) + std::abs(gap.y) + std::abs(gap.z))) return {};
-        result_.status = DistanceStatus::Overlap;
-        return result_;
+        return DistanceResult{.status = DistanceStatus::Overlap, .iterations = result_.iterations};  // without what an earlier round left
     }
 
     // The other box's point is over a face. Its lowest corner is nearest, where that is over the face as well. Otherwise the point goes down as far as

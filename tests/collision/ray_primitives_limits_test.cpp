@@ -42,6 +42,19 @@ TEST(RayPrimitivesLimits, AConeNextToFlatIsADisc) {
     }
 }
 
+// Products of a direction so nearly parallel to the axis underflow in part; what is left of them would be any number.
+TEST(RayPrimitivesLimits, AConeIsMetByWhatIsNextToParallelToItsAxis) {
+    const geo::Cone<double> cone{{0, 0, 0}, {0, 0, -0.5}, 1e-5};
+    for (double aside = 1e-20; aside > 0.0; aside *= 0.1) {
+        const geo::Ray<double> ray{{0, 0, -1}, {0, aside, 1}, -kInfinity, kInfinity};
+        const auto inside = geo::ray_interval(cone, ray);
+        ASSERT_TRUE(inside) << aside;
+        EXPECT_EQ(exact::fault(cone, ray, inside, 8.0), "") << aside;
+        EXPECT_NEAR(inside->t_enter, 0.5, 1e-14) << aside;
+        EXPECT_NEAR(inside->t_exit, 1.0, 1e-14) << aside;
+    }
+}
+
 // Squares of the slope underflow from 1e-162 on, the slope itself from 1e-324.
 TEST(RayPrimitivesLimits, ANeedleOfAConeIsMetByWhatIsParallelToItsAxisOnlyBeforeItsBase) {
     constexpr double kHeight = 1e20;

@@ -270,6 +270,25 @@ TEST(ExplainSweep, WhatTheStepDidNotKnowIsSaid) {
     EXPECT_EQ(world.pose_within_step(next, 0.0).position.x, 4.0);
 }
 
+// What is changed after the step does not change what is said of it.
+TEST(ExplainSweep, SpeaksOfTheStepAsItWas) {
+    World world({.gravity = dvec3{0.0}, .record_paths = true, .continuous = {.enabled = false}});
+    const BodyId wall = world.create_body({.type = BodyType::Static});
+    world.add_shape(wall, Box{{0.1f, 2.0f, 2.0f}});
+    const BodyId ball = world.create_body({.position = {-1.0, 0.0, 0.0}, .linear_velocity = {120.0, 0.0, 0.0}});
+    world.add_shape(ball, Sphere{0.1f});
+    world.step(kDt);
+    const SweepReason reason = world.explain_sweep(ball, wall).reason;
+    EXPECT_EQ(reason, SweepReason::Off);
+    const Pose end = world.pose_within_step(ball, 1.0);
+    EXPECT_EQ(end.position, world.pose(ball).position);
+    const JointId spring = world.create_joint(SpringDef{.body_a = ball, .body_b = wall, .stiffness = 1.0});
+    EXPECT_EQ(world.explain_sweep(ball, wall).reason, reason) << "the joint came later";
+    world.destroy_joint(spring);
+    world.add_shape(ball, Sphere{0.1f}, {.local = {{0.0, 1.0, 0.0}, kIdentityRotation}});
+    EXPECT_EQ(world.pose_within_step(ball, 1.0).position, end.position) << "its centre of mass is another since";
+}
+
 TEST(ExplainSweep, RefusesBadInput) {
     World world(kWatched), silent({.gravity = dvec3{0.0}});
     const BodyId a = world.create_body({}), b = world.create_body({}), c = silent.create_body({}), d = silent.create_body({});

@@ -151,6 +151,16 @@ TEST(Team, WhatTheWorkThrowsComesOutAndNobodyIsLeftBehind) {
     }
 }
 
+TEST(Team, AnExecutorThatThrowsLeavesNobodyRunning) {
+    struct Broken final : Executor {
+        [[nodiscard]] int thread_count() const noexcept override { return 3; }
+        void parallel_for(std::size_t, std::size_t, Body) override { throw std::runtime_error("no threads"); }
+    } broken;
+    Team team;
+    EXPECT_THROW(team.run(broken, [] {}), std::runtime_error);
+    EXPECT_FALSE(team.is_running());
+}
+
 TEST(Team, OutsideOfRunIsOneThread) {
     Team team;
     EXPECT_EQ(team.thread_count(), 1);

@@ -33,7 +33,11 @@ struct JudgedPair {
 
 /// What is wrong with bounds on the distance.
 [[nodiscard]] inline std::string bounds_fault(const NearPair& p, const JudgedPair& truth, const DistanceResult& r) {
-    if (r.status == DistanceStatus::Overlap) return truth.overlap() ? "" : "an overlap that is none";
+    if (r.status == DistanceStatus::Overlap) {
+        const dvec3 none{0.0};
+        if (r.lower != 0.0 || r.upper != 0.0 || r.on_a != none || r.on_b != none || r.normal != none) return "an overlap with bounds, points or a normal";
+        return truth.overlap() ? "" : "an overlap that is none";
+    }
     if (!is_finite(r.lower) || !is_finite(r.on_a) || !is_finite(r.on_b) || !is_finite(r.normal)) return "a result that is not finite";
     if (r.lower > 0.0 && exact::square(exact::number(r.lower) + truth.radii) > truth.core_sq) return "the lower bound is above the distance";
     if (is_finite(r.upper) && exact::square(exact::number(r.upper) + truth.radii) < truth.core_sq) return "the upper bound is below the distance";

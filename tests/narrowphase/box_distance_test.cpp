@@ -106,6 +106,17 @@ TEST(BoxDistance, KnownFeatures) {
     EXPECT_EQ(by_features({wide, Box{{0.1f, 0.1f, 0.1f}}, {}, {}, 1.0}).value().status, DistanceStatus::Overlap);
 }
 
+// Found in the second round, after the first had points that were apart.
+TEST(BoxDistance, AnOverlapHasNothingOfTheRoundsBefore) {
+    const DistanceResult r = distance(Box{{0.25f, 1.0f, 0.75f}}, {}, Box{{0.5f, 0.75f, 0.75f}}, {{1.25, -0.75, 0.5}, {-0.1, -0.5, -0.7, 0.5}});
+    EXPECT_EQ(r.status, DistanceStatus::Overlap);
+    EXPECT_EQ(r.lower, 0.0);
+    EXPECT_EQ(r.upper, 0.0);
+    EXPECT_EQ(r.on_a, dvec3{0.0});
+    EXPECT_EQ(r.on_b, dvec3{0.0});
+    EXPECT_GT(r.iterations, 1);
+}
+
 TEST(BoxDistance, TouchingAndOutOfRangePairsAreLeftToTheSearch) {
     const Shape unit = Box{{1, 1, 1}};
     EXPECT_FALSE(by_features({unit, unit, {}, {{2, 0.5, 0}, kIdentityRotation}, 1.0}).has_value());

@@ -197,6 +197,25 @@ TEST(Penetration, BoundsHoldTheLeastDepth) {
     }
 }
 
+// Moved by `upper` along the normal they are apart: in long double, by the ends of their segments.
+TEST(Penetration, CapsulesThatCrossAtAnyAnglePartAlongTheNormal) {
+    Random random(0xc805);
+    for (const double angle : {1.2e-12, 1e-11, 1e-9, 1e-7, 1e-3, 1.0}) {
+        for (int i = 0; i < 200; ++i) {
+            const Shape capsule = Capsule{1e-6f, 1.0f};
+            const Pose here{dvec3{0.0}, test::random_rotation(random)}, there{dvec3{0.0}, glm::normalize(here.orientation * test::about({1, 0, 0}, angle))};
+            const PenetrationResult r = penetration(capsule, here, capsule, there);
+            const auto reach = [&](const Pose& pose) {
+                const glm::mat<3, 3, test::Real> axes = glm::mat3_cast(glm::qua<test::Real>(pose.orientation));
+                return std::abs(glm::dot(axes[1], test::real(r.normal)));
+            };
+            const test::Real along = reach(here) + reach(there) + 2.0L * test::Real(1e-6f);
+            ASSERT_GE(test::Real(r.upper), along) << angle << " " << i;
+            ASSERT_LT(r.upper, 2.0000001e-6) << angle << " " << i;
+        }
+    }
+}
+
 TEST(Penetration, ConcentricRoundShapesHaveADirection) {
     const Pose here{{3, 2, 1}, kIdentityRotation};
     const Shape ball = Sphere{0.5f}, rod = Capsule{0.25f, 1.0f};
