@@ -34,7 +34,8 @@ dvec3 across(const CorePair& pair) noexcept {
     const dvec3 u = pair.a.half.y * pair.a.axes[1], v = pair.b.half.y * pair.b.axes[1], n = glm::cross(u, v);
     const double nn = glm::dot(n, n), uu = glm::dot(u, u), vv = glm::dot(v, v);
     if (nn > 1e-24 * uu * vv && nn > 0.0) {
-        // Of nearly parallel ones rounding tilts it by some 1e-16 over the angle. Once it is square to one it is so to the other, in which it is tilted by the angle less.
+        // Rounding tilts the product of nearly parallel ones by some 1e-16 over their angle. Made square to one it is so to the other: what is left of
+        // the tilt counts by the angle.
         const dvec3 unit = n / std::sqrt(nn), square = unit - (glm::dot(unit, u) / uu) * u;
         return square / glm::length(square);
     }
