@@ -248,6 +248,7 @@ MassProperties World::Impl::mass_with(const dynamics::BodyRecord& record, const 
 }
 
 void World::Impl::assign_mass(BodyId body, const MassProperties& properties) {
+    contacts_hold = false;
     BodyMass& mass = arrays.masses[body.slot];
     BodyState& state = arrays.states[body.slot];
     const Pose origin = body_pose(body);
@@ -263,6 +264,7 @@ void World::Impl::assign_mass(BodyId body, const MassProperties& properties) {
 }
 
 void World::Impl::put_proxy(ShapeId id) {
+    contacts_hold = false;
     const dynamics::ShapeRecord& s = *shapes.find(id);
     const std::uint32_t slot = s.body.slot;
     dynamics::Proxy proxy;
@@ -295,6 +297,7 @@ void World::Impl::put_in(BodyId body) {
 }
 
 void World::Impl::take_out(BodyId body) {
+    contacts_hold = false;
     wake(body);
     sleepers.note_shapes();
     continuous.note_shapes();

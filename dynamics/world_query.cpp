@@ -52,16 +52,16 @@ Momentum World::momentum() const {
     return sum;
 }
 
-std::size_t World::contact_count() const noexcept { return impl_->contacts.manifolds.size() + impl_->sleepers.contacts().manifolds.size(); }
+std::size_t World::contact_count() const noexcept { return impl_->contacts.manifold_count() + impl_->sleepers.contacts().manifolds.size(); }
 
 const Broadphase& World::broadphase() const noexcept { return impl_->broadphase; }
 dvec3 World::broadphase_origin() const noexcept { return impl_->proxies.origin; }
 
 ContactView World::contact(std::size_t index) const {
     CAROM_REQUIRE(index < contact_count(), ErrorCode::InvalidArgument, "no contact of that index", {});
-    const bool awake = index < impl_->contacts.manifolds.size();
+    const bool awake = index < impl_->contacts.manifold_count();
     const dynamics::ContactSet& set = awake ? impl_->contacts : impl_->sleepers.contacts();
-    const std::size_t number = awake ? index : index - impl_->contacts.manifolds.size();
+    const std::size_t number = awake ? impl_->contacts.manifold_number(index) : index - impl_->contacts.manifold_count();
     const Manifold& manifold = set.manifolds[number];
     const dynamics::ContactPair& pair = set.pairs[manifold.pair];
     ContactView view;

@@ -53,7 +53,10 @@ bool World::Impl::is_any_awake() const {
 
 void World::Impl::wake_before_step(double dt) {
     sleepers.wake_by_others(proxies, dt, arrays);
-    if (sleepers.give_back(arrays, contacts)) names.now.clear();  // the narrowphase remembers other contacts
+    if (sleepers.give_back(arrays, contacts)) {
+        names.now.clear();  // the narrowphase remembers other contacts
+        contacts_hold = false;
+    }
     sleepers.sync(arrays, proxies);
 }
 

@@ -34,6 +34,7 @@ Pose World::Impl::body_pose(BodyId body) const {
 void World::Impl::place_body(BodyId body, const Pose& pose) {
     const Pose& principal = arrays.masses[body.slot].principal;
     wake(body);
+    contacts_hold = false;
     arrays.states[body.slot].pose = principal == Pose{} ? pose : pose * principal;
     note_placed(body);
     if (arrays.roles[body.slot] != dynamics::Role::Static) return;
@@ -176,6 +177,7 @@ void World::set_locked_axes(BodyId body, unsigned char locked) {
     impl_->wake(body);
     static_cast<void>(impl_->traits_of(body.slot));
     impl_->arrays.masses[body.slot].locked = locked;
+    impl_->contacts_hold = false;
     impl_->keep_locks(body.slot);
 }
 void World::apply_force(BodyId body, const dvec3& force, const dvec3& point) {

@@ -16,10 +16,12 @@ using dynamics::Role;
 namespace {
 
 constexpr std::size_t kBodyGrain = 128;
+constexpr std::size_t kMostLooked = 3;      // contacts are kept where at most one candidate in so many has to be looked at
+constexpr std::uint64_t kLongestKept = 64;  // steps, after which a pair is looked at in any case; a power of two
 
 void count_contacts(StepReport& report, const dynamics::ContactSet& contacts, const dynamics::ContactSolver& solver) {
     const dynamics::ContactSummary& summary = contacts.summary;
-    report.manifolds = contacts.manifolds.size();
+    report.manifolds = contacts.manifold_count();
     report.contacts = summary.points;
     report.touching = summary.touching;
     report.max_penetration = summary.max_penetration;
@@ -38,14 +40,14 @@ Balance operator-(const Balance& after, const Balance& before) {
 }  // namespace
 
 // Moves every body that no contact and no joint holds, and the kinematic ones, over the whole step at once.
-void World::Impl::integrate_free_bodies(bool looked, double dt) {
-    const bool follows = looked && (def.continuous.enabled || def.record_paths);
+void World::Impl::integrate_free_bodies(bool contacts_found, double dt) {
+    const bool follows = contacts_found && (def.continuous.enabled || def.record_paths);
     if (follows) continuous.prepare(arrays.states.size());
     threads().parallel_for(arrays.roles.size(), kBodyGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t slot = begin; slot < end; ++slot) {
             const Role role = arrays.roles[slot];
             const auto number = static_cast<std::uint32_t>(slot);
-            const bool held = joint_solver.holds(number) || (looked && (solver.holds(number) || direct.holds(number)));
+            const bool held = joint_solver.holds(number) || (contacts_found && (solver.holds(number) || direct.holds(number)));
             if (role != Role::Kinematic && (role != Role::Dynamic || held)) continue;
             if (follows) continuous.depart(number, arrays.states[slot]);
             dynamics::integrate_free(arrays.states[slot], arrays.masses[slot], free_motion(slot), dt);
@@ -134,28 +136,69 @@ void World::Impl::quarantine_unusable(double dt, StepReport& report) {
     }
 }
 
+double World::Impl::calm_share() const {
+    const bool keeps = def.relax && census.bouncing_shapes == 0 && joints.order().empty() && sleepers.count() == 0;
+    return keeps ? 0.5 * def.contact_reuse : 0.0;
+}
+
+// Which of the candidates have to be looked at, where the contacts of the others are kept.
+bool World::Impl::choose_looked(double dt) {
+    looked.clear();
+    if (!contacts_hold || dt / def.substeps != last_substep) return false;
+    const std::size_t most = candidates.size() / kMostLooked;
+    if (proxies.moved.size() * kMostLooked > proxies.by_slot.size()) return false;
+    const auto tracked = [&](std::uint32_t body) { return arrays.roles[body] == Role::Static || solver.holds(body); };
+    for (NumberedPair& pair : candidates) {
+        const double slack = def.contact_reuse * std::min(proxies.extents[pair.a] * proxies.firmness[pair.a], proxies.extents[pair.b] * proxies.firmness[pair.b]);
+        pair.slack = static_cast<float>(slack);
+        const bool due = ((pair.a + pair.b + steps) & (kLongestKept - 1)) == 0;
+        const bool keeps = !due && (proxies.calm[pair.a] & proxies.calm[pair.b]) != 0 && proxies.drift[pair.a] + proxies.drift[pair.b] <= slack &&
+                           tracked(proxies.bodies[pair.a]) && tracked(proxies.bodies[pair.b]);
+        if (!keeps) looked.push_back(pair);
+    }
+    return looked.size() <= most;
+}
+
+// Looks at those, and at no others.
+void World::Impl::patch_contacts(dynamics::Step& step) {
+    solver.carry_gaps(contacts.manifolds, threads());
+    const CollideCounts counts = collide(PlacedShapes{proxies.shapes, proxies.poses}, looked, threads(), collide_scratch, found_anew);
+    step.report.undecided = counts.undecided;
+    step.report.reused = candidates.size() - looked.size();
+    looked_pairs.clear();
+    for (const NumberedPair& pair : looked) looked_pairs.push_back(dynamics::contact_pair(proxies, pair));
+    dynamics::patch_contacts(contacts, looked_pairs, found_anew, contact_changes);
+    names.now.clear();  // the narrowphase remembers other contacts
+}
+
 // Who touches whom, with the impulses of the step before.
 void World::Impl::find_contacts(dynamics::Step& step, const dynamics::Motion& motion) {
     bool reuses = false;  // contacts of the step before
-    step.run(Stage::Bounds, [&] { dynamics::update_swept_bounds(proxies, arrays, motion, threads()); });
+    bool keeps = false;   // most contacts are
+    step.run(Stage::Bounds, [&] { dynamics::update_swept_bounds(proxies, arrays, motion, calm_share(), threads()); });
     step.run(Stage::Pairs, [&] {
         const ProxyChanges changes{proxies.boxes, proxies.filters, proxies.moved, proxies.removed};
         const std::uint64_t last = broadphase.result().number;
-        const PairUpdate& found = broadphase.update(changes, threads());
-        if (found.number == last) {  // refused, which was reported: the next step asks again
+        const PairUpdate& update = broadphase.update(changes, threads());
+        if (update.number == last) {  // refused, which was reported: the next step asks again
+            dynamics::note_refused(proxies);
             candidates.clear();
             return names.now.clear();
         }
         dynamics::note_listed(proxies);
         step.report.boxes_given = changes.moved.size();
         step.report.boxes_removed = changes.removed.size();
-        step.report.pairs_limited = found.status != PairStatus::Complete;
-        dynamics::list_candidates(proxies, arrays, found.pairs, motion.dt, threads(), candidate_parts, candidates);
+        step.report.pairs_limited = update.status != PairStatus::Complete;
+        dynamics::list_candidates(proxies, arrays, update.pairs, motion.dt, threads(), candidate_parts, candidates);
         if (joints.parts_any()) drop_parted();
         if (sleepers.is_on()) dynamics::Sleepers::drop_idle(proxies, arrays, candidates);
-        reuses = def.contact_reuse > 0.0 && dynamics::name_candidates(proxies, def.contact_reuse, candidates, names, threads());
+        keeps = choose_looked(motion.dt);
+        reuses = !keeps && def.contact_reuse > 0.0 && dynamics::name_candidates(proxies, def.contact_reuse, candidates, names, threads());
         step.report.pairs = candidates.size();
     });
+    patched = keeps;
+    if (keeps) return step.run(Stage::Collide, [&] { patch_contacts(step); });
+    if (!std::exchange(set_aside, true)) std::swap(contacts, previous);
     step.run(Stage::Collide, [&] {
         const PlacedShapes placed{proxies.shapes, proxies.poses};
         std::vector<Manifold>& found = contacts.manifolds;
@@ -173,7 +216,11 @@ void World::Impl::find_contacts(dynamics::Step& step, const dynamics::Motion& mo
 void World::Impl::solve_contacts(dynamics::Step& step, double dt) {
     const bool joined = !joint_solver.shared().empty();  // to bodies in contact
     solver.share(joint_solver.shared());
-    step.run(Stage::Prepare, [&] { solver.prepare(contacts, direct.held(), proxies, arrays, solver_settings(dt), threads()); });
+    step.run(Stage::Prepare, [&] {
+        const dynamics::SolverSettings settings = solver_settings(dt);
+        if (patched && solver.resume(contacts, contact_changes, direct.held(), proxies, arrays, settings, threads())) return;
+        solver.prepare(contacts, direct.held(), proxies, arrays, settings, threads());
+    });
     const auto run = [&] { solver.run_listed(threads(), step.report.stage_ms); };  // joints come in between, or else all is run at once
     const auto joints_do = [&](const auto& work) {
         run();
@@ -223,8 +270,9 @@ StepReport World::Impl::take_step(const World& world, double dt) {
     const dynamics::Motion motion{w.def.gravity, dt};
     const Balance before = w.def.report_balance ? balance_of(world) : Balance{};
     if (w.def.report_residual) w.residual.remember(w.arrays);
-    std::swap(w.contacts, w.previous);
+    w.set_aside = false;
     if (!choices.contacts) {  // otherwise each part is replaced below
+        std::swap(w.contacts, w.previous);
         w.contacts.clear();
         w.names.now.clear();
         w.direct.clear();
@@ -274,6 +322,7 @@ StepReport World::Impl::take_step(const World& world, double dt) {
     if (w.sleepers.is_on()) step.run(Stage::Sleep, [&] { w.fall_asleep(dt, step.report); });
     w.last_substep = dt / w.def.substeps;
     w.looked_for_contacts = choices.contacts;
+    w.contacts_hold = choices.contacts && w.calm_share() > 0.0 && step.report.continuous.followed == 0 && step.report.quarantined.empty();
     step.report.step = ++w.steps;
     if (!step.report.quarantined.empty()) step.report.residual.reset();
     if (w.def.report_balance && step.report.quarantined.empty()) step.report.balance = balance_of(world) - before;

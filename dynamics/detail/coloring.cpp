@@ -53,4 +53,22 @@ void Coloring::color(std::span<const ContactRows> rows, std::int32_t movable) {
     }
 }
 
+std::uint32_t Coloring::open_to(ContactRows rows) const noexcept {
+    std::uint32_t taken = 0;
+    for (const std::int32_t row : {rows.a, rows.b}) taken |= static_cast<std::size_t>(row) < used_.size() ? used_[static_cast<std::size_t>(row)] : 0;
+    return ~taken;
+}
+
+void Coloring::take(ContactRows rows, std::uint32_t color) noexcept {
+    for (const std::int32_t row : {rows.a, rows.b}) {
+        if (static_cast<std::size_t>(row) < used_.size()) used_[static_cast<std::size_t>(row)] |= std::uint32_t{1} << color;
+    }
+}
+
+void Coloring::give_back(ContactRows rows, std::uint32_t color) noexcept {
+    for (const std::int32_t row : {rows.a, rows.b}) {
+        if (static_cast<std::size_t>(row) < used_.size()) used_[static_cast<std::size_t>(row)] &= ~(std::uint32_t{1} << color);
+    }
+}
+
 }  // namespace carom::dynamics

@@ -32,6 +32,11 @@ public:
         return static_cast<std::uint32_t>(order_.size()) - starts_.back();
     }
 
+    /// For contacts that come and go one by one: the colours that no contact of the two rows has, as bits.
+    [[nodiscard]] std::uint32_t open_to(ContactRows rows) const noexcept;
+    void take(ContactRows rows, std::uint32_t color) noexcept;
+    void give_back(ContactRows rows, std::uint32_t color) noexcept;
+
 private:
     std::vector<std::uint32_t> used_;     // per row: colours taken
     std::vector<std::uint8_t> colors_;    // per contact

@@ -254,8 +254,10 @@ void WarmStart(std::span<ContactBundle> bundles, SolverBodies& bodies) {
 template <bool kBias, bool kGapsKnown>
 void solve_all(std::span<ContactBundle> bundles, SolverBodies& bodies, const SolveSettings& settings) {
     std::size_t i = 0;
-    for (; i + 1 < bundles.size() && bundles[i + 1].point_count <= bundles[i].point_count; i += 2) {
-        for (int lane = 0; lane < kBundleWidth; lane += kLanes) solve_two<kBias, kGapsKnown>(bundles[i], bundles[i + 1], bodies, settings, lane);
+    for (; i + 1 < bundles.size(); i += 2) {
+        const bool more = bundles[i].point_count >= bundles[i + 1].point_count;  // nearly always: they are laid out so
+        ContactBundle &first = bundles[more ? i : i + 1], &second = bundles[more ? i + 1 : i];
+        for (int lane = 0; lane < kBundleWidth; lane += kLanes) solve_two<kBias, kGapsKnown>(first, second, bodies, settings, lane);
     }
     for (; i < bundles.size(); ++i) {
         for (int lane = 0; lane < kBundleWidth; lane += kLanes) solve_bundle<kBias, kGapsKnown>(bundles[i], bodies, settings, lane);

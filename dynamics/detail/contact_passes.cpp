@@ -53,7 +53,7 @@ void ContactSolver::list_positions() {
 void ContactSolver::run_listed(Executor& executor, std::span<double> milliseconds) {
     SerialExecutor alone;
     loop_.run(
-        phases_, part_count_ > 1 ? executor : alone,
+        phases_, part_count_ > 1 && PhaseLoop::part_count(executor) == part_count_ ? executor : alone,
         [this](std::size_t phase, std::size_t begin, std::size_t end) { run_task(tasks_[phase], begin, end); }, milliseconds);
     phases_.clear();
     tasks_.clear();

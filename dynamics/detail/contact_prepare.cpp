@@ -197,6 +197,24 @@ void StoreImpulses(std::span<const ContactBundle> bundles, std::span<dynamics::M
     }
 }
 
+void CarryGaps(std::span<ContactBundle> bundles, std::span<Manifold> manifolds) {
+    for (ContactBundle& c : bundles) {
+        c.deep = 0;
+        for (int k = 0; k < c.point_count; ++k) {
+            PointLanes& p = c.points[static_cast<std::size_t>(k)];
+            for (int lane = 0; lane < kBundleWidth; lane += kLanes) {
+                const Mask used = get(p.normal_mass, lane) > broadcast(0.0f);
+                const Floats separation = select(used, get(p.gap, lane), get(p.separation, lane));
+                put(p.separation, lane, separation);
+                c.deep += static_cast<std::int32_t>(hwy::PopCount(bits(used & (get(c.bias_rate, lane) * separation < -get(c.push_limit, lane)))));
+            }
+            for (std::size_t lane = 0; lane < kBundleWidth; ++lane) {
+                if (p.normal_mass[lane] > 0.0f) manifolds[c.manifold[lane]].points[static_cast<std::size_t>(k)].separation = p.separation[lane];
+            }
+        }
+    }
+}
+
 }  // namespace
 }  // namespace carom::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -205,6 +223,7 @@ HWY_AFTER_NAMESPACE();
 namespace carom {
 HWY_EXPORT(PrepareBundles);
 HWY_EXPORT(StoreImpulses);
+HWY_EXPORT(CarryGaps);
 
 namespace dynamics {
 
@@ -216,6 +235,8 @@ void prepare_bundles(std::span<ContactBundle> bundles, const PrepareInput& input
 void store_impulses(std::span<const ContactBundle> bundles, std::span<ManifoldImpulses> impulses) {
     HWY_DYNAMIC_DISPATCH(StoreImpulses)(bundles, impulses);
 }
+
+void carry_gaps(std::span<ContactBundle> bundles, std::span<Manifold> manifolds) { HWY_DYNAMIC_DISPATCH(CarryGaps)(bundles, manifolds); }
 
 }  // namespace dynamics
 }  // namespace carom

@@ -40,6 +40,9 @@ struct PrepareInput {
 /// impulses to start from along the tangents.
 void prepare_bundles(std::span<ContactBundle> bundles, const PrepareInput& input);
 
+/// Takes the gap that the last pass found for each point's separation, here and in its manifold: the next step begins where this one ended.
+void carry_gaps(std::span<ContactBundle> bundles, std::span<Manifold> manifolds);
+
 /// Writes the accumulated impulses of all lanes to their contacts.
 void store_impulses(std::span<const ContactBundle> bundles, std::span<ManifoldImpulses> impulses);
 

@@ -53,6 +53,7 @@ ContactResidual ResidualMeter::measure(const ContactSet& contacts, const ProxySe
     double largest = 0.0, excess = 0.0;
     for (std::size_t m = 0; m < contacts.manifolds.size(); ++m) {
         const Manifold& manifold = contacts.manifolds[m];
+        if (manifold.pair == kNoPair) continue;
         const ContactPair& pair = contacts.pairs[manifold.pair];
         if (pair.flies) continue;
         const double friction = friction_of(proxies, pair, manifold);

@@ -22,8 +22,9 @@ bool has_same_points(const Manifold& a, const Manifold& b) {
     return difference == 0;
 }
 
-void carry_manifold(const Manifold& manifold, ManifoldImpulses& impulses, const ContactSet& before,
-                    const ContactPair& old_pair, float scale) {
+}  // namespace
+
+void carry_impulses(const Manifold& manifold, ManifoldImpulses& impulses, const ContactSet& before, const ContactPair& old_pair, float scale) {
     // Nearly always: one manifold, and its points in the order they had.
     if (old_pair.manifold_count == 1 && has_same_points(manifold, before.manifolds[old_pair.first_manifold])) {
         const ManifoldImpulses& old = before.impulses[old_pair.first_manifold];
@@ -40,6 +41,8 @@ void carry_manifold(const Manifold& manifold, ManifoldImpulses& impulses, const 
         }
     }
 }
+
+namespace {
 
 /// The mean is the sum until all are in. Without branches: which points overlap is anybody's guess.
 void sum_up(const Manifold& manifold, ContactSummary& s) {
@@ -58,6 +61,10 @@ void add(ContactSummary& sum, const ContactSummary& part) {
     sum.touching += part.touching;
     sum.mean_penetration += part.mean_penetration;
     sum.max_penetration = std::max(sum.max_penetration, part.max_penetration);
+}
+
+void finish(ContactSummary& sum) {
+    if (sum.touching > 0) sum.mean_penetration /= static_cast<double>(sum.touching);
 }
 
 constexpr std::size_t kPart = 256;  // pairs worked on together, whatever the number of threads
@@ -124,7 +131,7 @@ void carry_part(ContactSet& contacts, const ContactSet& before, float scale, std
         const bool known = old != old_pairs.end() && old->key == pair.key && old->shape_a == pair.shape_a && old->shape_b == pair.shape_b;
         for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
             if (known) {
-                carry_manifold(contacts.manifolds[m], contacts.impulses[m], before, *old, scale);
+                carry_impulses(contacts.manifolds[m], contacts.impulses[m], before, *old, scale);
             } else {
                 contacts.impulses[m] = {};
             }
@@ -133,6 +140,12 @@ void carry_part(ContactSet& contacts, const ContactSet& before, float scale, std
 }
 
 }  // namespace
+
+void sum_up(ContactSet& contacts) {
+    contacts.summary = {};
+    for (const Manifold& manifold : contacts.manifolds) sum_up(manifold, contacts.summary);
+    finish(contacts.summary);
+}
 
 void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t candidate)> make, const ContactSet& before, float scale,
                     Executor& executor) {
@@ -145,9 +158,10 @@ void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t 
         contacts.parts[part] = link_part(contacts, make, begin, end);
         carry_part(contacts, before, scale, begin, end);  // while they are in the cache
     });
+    contacts.order.clear();
     contacts.summary = {};
     for (const ContactSummary& part : contacts.parts) add(contacts.summary, part);
-    if (contacts.summary.touching > 0) contacts.summary.mean_penetration /= static_cast<double>(contacts.summary.touching);
+    finish(contacts.summary);
 }
 
 }  // namespace carom::dynamics

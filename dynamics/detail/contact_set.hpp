@@ -38,17 +38,26 @@ struct ContactSummary {
     double mean_penetration = 0.0;  ///< over the touching points [m]
 };
 
+/// What a manifold that is not used any more has for a pair. Its count is 0.
+inline constexpr std::uint32_t kNoPair = ~std::uint32_t{0};
+
 struct ContactSet {
     std::vector<ContactPair> pairs;
-    std::vector<Manifold> manifolds;          ///< in the order of the pairs
+    std::vector<Manifold> manifolds;          ///< of a pair in a row; in the order of the pairs while `order` is empty
+    std::vector<std::uint32_t> order;         ///< of the manifolds in use, in the order of the pairs, where some lie elsewhere or are unused (kNoPair)
     std::vector<ManifoldImpulses> impulses;   ///< one for each manifold
     ContactSummary summary;                   ///< of the manifolds
     std::vector<std::uint32_t> firsts;        ///< of each pair its first manifold, and the end: while pairs are made
     std::vector<std::uint32_t> first_counts;  ///< of each part of the manifolds, likewise
     std::vector<ContactSummary> parts;        ///< of the summary, while it is made
 
+    [[nodiscard]] std::size_t manifold_count() const noexcept { return order.empty() ? manifolds.size() : order.size(); }
+    /// The i-th manifold in the order of the pairs, of those in use.
+    [[nodiscard]] std::uint32_t manifold_number(std::size_t i) const noexcept { return order.empty() ? static_cast<std::uint32_t>(i) : order[i]; }
+
     void clear() noexcept {
         summary = {};
+        order.clear();
         pairs.clear();
         manifolds.clear();
         impulses.clear();
@@ -61,5 +70,26 @@ struct ContactSet {
 /// In parts of fixed length: the same bits on every number of threads. Cost: linear in the two sets.
 void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t candidate)> make, const ContactSet& before, float scale,
                     Executor& executor);
+
+/// Gives each point of a manifold the impulse that the point of the same feature had of `old_pair` in `before`, as above.
+void carry_impulses(const Manifold& manifold, ManifoldImpulses& impulses, const ContactSet& before, const ContactPair& old_pair, float scale);
+
+/// The summary, over all manifolds, in their order.
+void sum_up(ContactSet& contacts);
+
+/// What became of manifolds that were looked at anew, by number.
+struct ContactChanges {
+    std::vector<std::uint32_t> removed, replaced, added;
+    std::vector<ContactPair> pairs;          // scratch, as are these
+    std::vector<ManifoldImpulses> impulses;
+    void clear() noexcept { removed.clear(), replaced.clear(), added.clear(); }
+};
+
+/// Puts what was found of some pairs in place of what the set has of them; all others stay as they are and where they are. Impulses go from point
+/// to point as in link_manifolds(), at scale 1.
+/// @param looked   of each pair that was looked at what contact_pair() gives, without manifolds; sorted by key, in the set or not
+/// @param found    their manifolds, `pair` counted in `looked`
+/// Cost: linear in the pairs.
+void patch_contacts(ContactSet& contacts, std::span<const ContactPair> looked, std::span<const Manifold> found, ContactChanges& changes);
 
 }  // namespace carom::dynamics

@@ -75,6 +75,8 @@ void ContactSolver::prepare(const ContactSet& contacts, std::span<const unsigned
         if (deep > 0) std::atomic_ref(deep_count_).fetch_add(deep, std::memory_order_relaxed);
     });
     settings.resists ? rolling_.list({contacts, proxies, rows_, bundles_}, h) : rolling_.clear();
+    is_whole_ = !settings.resists && shared_.empty() && coloring_.overflow_count() == 0 && std::ranges::find(held, 1) == held.end();
+    if (is_whole_) note_places();
 }
 
 void ContactSolver::mark_rows(const ContactSet& contacts, std::span<const unsigned char> held, const BodyArrays& bodies) {
@@ -158,18 +160,21 @@ void ContactSolver::fill_sides(const ProxySet& proxies, const BodyArrays& bodies
     sides_.resize(proxies.by_slot.size());
     executor.parallel_for(sides_.size(), kBodyGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t slot = begin; slot < end; ++slot) {
-            if (proxies.kinds[slot] == ProxyKind::None) continue;
-            const std::uint32_t body = proxies.bodies[slot];
-            if (bodies.roles[body] == Role::Asleep) continue;
-            const std::int32_t row = row_of_slot_[body];
-            sides_[slot] = {.origin = proxies.poses[slot].position,
-                            .centre = bodies.states[body].pose.position,
-                            .of = proxies.surfaces[slot],
-                            .push = static_cast<float>(settings_.max_push * proxies.extents[slot] / settings_.dt),
-                            .row = row == kNoRow ? static_cast<std::int32_t>(slot_of_row_.size()) : row,
-                            .is_static = bodies.roles[body] == Role::Static};
+            if (proxies.kinds[slot] == ProxyKind::None || bodies.roles[proxies.bodies[slot]] == Role::Asleep) continue;
+            fill_side(static_cast<std::uint32_t>(slot), proxies, bodies);
         }
     });
+}
+
+void ContactSolver::fill_side(std::uint32_t slot, const ProxySet& proxies, const BodyArrays& bodies) {
+    const std::uint32_t body = proxies.bodies[slot];
+    const std::int32_t row = row_of_slot_[body];
+    sides_[slot] = {.origin = proxies.poses[slot].position,
+                    .centre = bodies.states[body].pose.position,
+                    .of = proxies.surfaces[slot],
+                    .push = static_cast<float>(settings_.max_push * proxies.extents[slot] / settings_.dt),
+                    .row = row == kNoRow ? static_cast<std::int32_t>(slot_of_row_.size()) : row,
+                    .is_static = bodies.roles[body] == Role::Static};
 }
 
 void ContactSolver::fill_manifold_rows(const ContactSet& contacts, Executor& executor) {
@@ -181,8 +186,13 @@ void ContactSolver::fill_manifold_rows(const ContactSet& contacts, Executor& exe
                              .row_b = static_cast<std::int32_t>(slot_of_row_.size())};
     executor.parallel_for(count, kManifoldGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t m = begin; m < end; ++m) {
-            const ContactPair& pair = contacts.pairs[contacts.manifolds[m].pair];
-            manifold_rows_[m] = row_of(contacts.manifolds[m], sides_[pair.proxy_a], sides_[pair.proxy_b]);
+            const std::uint32_t number = contacts.manifolds[m].pair;
+            if (number == kNoPair) {
+                manifold_rows_[m] = manifold_rows_[count];
+            } else {
+                const ContactPair& pair = contacts.pairs[number];
+                manifold_rows_[m] = row_of(contacts.manifolds[m], sides_[pair.proxy_a], sides_[pair.proxy_b]);
+            }
             contact_rows_[m] = {manifold_rows_[m].row_a, manifold_rows_[m].row_b};
             kinds_[m] = kind_of(manifold_rows_[m]);
         }
@@ -276,6 +286,8 @@ void ContactSolver::for_bundles(Executor& executor, FunctionRef<void(std::span<C
         for (std::size_t i = 0; i < count; i += kBundlesAtOnce)
             work(std::span{bundles_}.subspan(first + i, std::min(kBundlesAtOnce, count - i)));
     };
+    SerialExecutor alone;
+    Executor& threads = PhaseLoop::part_count(executor) == part_count_ ? executor : alone;
     if (part_count_ == 1) return work_on(0, bundles_.size());
     const auto work_on_parts = [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t part = begin; part < end; ++part) {
@@ -288,7 +300,11 @@ void ContactSolver::for_bundles(Executor& executor, FunctionRef<void(std::span<C
         }
     };
     const std::array<Phase, 1> one{Phase{.count = part_count_}};
-    loop_.run(one, executor, work_on_parts, {});
+    loop_.run(one, threads, work_on_parts, {});
+}
+
+void ContactSolver::carry_gaps(std::span<Manifold> manifolds, Executor& executor) {
+    for_bundles(executor, [&](std::span<ContactBundle> some) { dynamics::carry_gaps(some, manifolds); });
 }
 
 void ContactSolver::store(BodyArrays& bodies, ContactSet& contacts, Executor& executor) {

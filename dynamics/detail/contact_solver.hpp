@@ -38,6 +38,7 @@ struct SolverSettings {
     double max_push = 0.1;         ///< share of the smallest extent a step
     bool resists = false;          ///< some shape resists to rolling or spinning
     [[nodiscard]] double substep() const noexcept { return dt / substeps; }
+    friend bool operator==(const SolverSettings&, const SolverSettings&) = default;
 };
 
 class ContactSolver {
@@ -46,6 +47,12 @@ public:
     /// @param held  by slot: 1 for bodies that others have moved in this step, whose contacts are left out; empty where there are none.
     void prepare(const ContactSet& contacts, std::span<const unsigned char> held, const ProxySet& proxies, const BodyArrays& bodies,
                  const SolverSettings& settings, Executor& executor);
+
+    /// The same where contacts were patched since the last prepare() or resume(), and carry_gaps() was called: only what changed is prepared, into the lanes
+    /// that are free. Lever arms and masses of the rest stay as they were. @return false where that cannot be, and nothing is ready: a body found its
+    /// first contact or lost its last one, a colour has no lane left, or the settings are others.
+    [[nodiscard]] bool resume(const ContactSet& contacts, const ContactChanges& changes, std::span<const unsigned char> held, const ProxySet& proxies,
+                              const BodyArrays& bodies, const SolverSettings& settings, Executor& executor);
 
     /// Slots of dynamic bodies that prepare() takes in whether they have contacts or not: others work on their rows too.
     void share(std::span<const std::uint32_t> slots) { shared_.assign(slots.begin(), slots.end()); }
@@ -62,6 +69,9 @@ public:
     void list_positions();
     /// @param milliseconds  by Stage; what each takes is added.
     void run_listed(Executor& executor, std::span<double> milliseconds);
+
+    /// Gives the manifolds of the last step the separations that it left them with. It must have had a Relax pass.
+    void carry_gaps(std::span<Manifold> manifolds, Executor& executor);
 
     /// Writes the bodies' new states and the contacts' impulses back.
     void store(BodyArrays& bodies, ContactSet& contacts, Executor& executor);
@@ -86,6 +96,21 @@ private:
     struct Lanes {
         std::uint32_t begin = 0, end = 0;
     };
+    /// Of a lane of a bundle: bundle × kLanesPerBundle + lane.
+    using Place = std::uint32_t;
+    static constexpr Place kNowhere = ~std::uint32_t{0};
+    struct Move {
+        std::uint32_t manifold = 0;  ///< kUnusedLane: the lane becomes free
+        Place place = 0;
+    };
+    /// Where manifolds lie and which lanes are free, for resume().
+    void note_places();
+    [[nodiscard]] bool take_lane(std::uint32_t manifold);
+    void free_lane(std::uint32_t manifold);
+    void fill_moves(const ContactSet& contacts);
+    [[nodiscard]] bool goes_on(std::span<const unsigned char> held, const SolverSettings& settings) const;
+    void fill_changed_rows(const ContactSet& contacts, const ContactChanges& changes, const ProxySet& proxies, const BodyArrays& bodies);
+    void fill_side(std::uint32_t slot, const ProxySet& proxies, const BodyArrays& bodies);
     void mark_rows(const ContactSet& contacts, std::span<const unsigned char> held, const BodyArrays& bodies);
     void number_rows(const ContactSet& contacts, const BodyArrays& bodies);
     void fill_rows(const BodyArrays& bodies, Executor& executor);
@@ -141,6 +166,13 @@ private:
     std::uint32_t first_overflow_bundle_ = 0;  // these are solved one after the other
     std::size_t deep_count_ = 0;
     std::size_t point_count_ = 0;
+    bool is_whole_ = false;                                    // what is in the bundles is all that the bodies of the rows have
+    std::vector<Place> places_of_;                             // by manifold, of those in a lane
+    std::vector<std::vector<Place>> free_;                     // by colour
+    std::vector<std::uint8_t> color_of_bundle_;
+    std::vector<std::uint32_t> contacts_of_row_;               // of rows that move
+    std::vector<Move> moves_;
+    std::size_t rows_of_points_ = 0, rows_at_first_ = 0;       // points of all bundles, now and when they were laid out
     std::vector<Phase> phases_;
     std::vector<Task> tasks_;  // of each phase
     PhaseLoop loop_;

@@ -24,7 +24,7 @@ void IslandLinks::gather(const ContactSet& contacts, std::span<const Role> roles
     island_of_.assign(sets_.size(), kNone);
     islands_.clear();
     for (std::size_t m = 0; m < wanted.size(); ++m) {
-        if (wanted[m] != 0) island_of_[root(dynamic_slot(contacts.pairs[contacts.manifolds[m].pair], roles))] = 0;
+        if (wanted[m] != 0 && contacts.manifolds[m].pair != kNoPair) island_of_[root(dynamic_slot(contacts.pairs[contacts.manifolds[m].pair], roles))] = 0;
     }
     for (std::uint32_t& island : island_of_) {
         if (island == kNone) continue;
@@ -40,6 +40,7 @@ void IslandLinks::gather(const ContactSet& contacts, std::span<const Role> roles
     };
     const auto each_manifold = [&](const auto& act) {
         for (std::uint32_t m = 0; m < contacts.manifolds.size(); ++m) {
+            if (contacts.manifolds[m].pair == kNoPair) continue;
             const std::uint32_t island = island_of(dynamic_slot(contacts.pairs[contacts.manifolds[m].pair], roles));
             if (island != kNone) act(islands_[island], m);
         }

@@ -16,14 +16,16 @@ constexpr std::size_t kGrain = 256;
 constexpr std::size_t kPairGrain = 1024;
 constexpr std::uint32_t kSlotsOfAPart = 256, kSlotsWorthSharing = 2048;
 constexpr double kMarginShare = 0.25;  // of the smallest extent
+constexpr double kCurvedFirmness = 0.1;
+constexpr double kLeastStay = 0.5;     // what will be out of its room in less than two steps gets none
 
 /// What gravity may do in the step [m].
 double pull_of(const Motion& motion) { return glm::length(motion.gravity) * motion.dt * motion.dt; }
 
 /// Motion of any point of the shape beyond the straight path of the centre of mass.
-double play(const Proxy& proxy, const BodyState& state, const Motion& motion) {
-    const double turn = std::min(glm::length(state.spin) * motion.dt, 2.0);
-    return pull_of(motion) + proxy.reach * turn;
+double play(const Proxy& proxy, const BodyState& state, double pull, double dt) {
+    const double turn = std::min(glm::length(state.spin) * dt, 2.0);
+    return pull + proxy.reach * turn;
 }
 
 /// The motion of one body: where bodies have traits, its own pull stands for gravity.
@@ -31,15 +33,26 @@ Motion motion_of(const BodyArrays& bodies, std::size_t slot, const Motion& motio
     return bodies.traits.empty() ? motion : Motion{bodies.acceleration(slot, motion.gravity), motion.dt};
 }
 
-void sweep_one(ProxySet& set, std::uint32_t i, const BodyState& state, bool is_static, const Motion& motion) {
+/// @param slack  all round: of what has room, its room, and there is no path.
+void sweep_one(ProxySet& set, std::uint32_t i, const BodyState& state, bool is_static, double dt, double slack) {
     const Proxy& proxy = set.by_slot[i];
     set.poses[i] = state.pose * proxy.local;
     const Aabb box = bounds(proxy.shape, set.poses[i]);
-    const dvec3 path = state.velocity * motion.dt;
-    const double slack = play(proxy, state, motion);
+    const dvec3 path = set.anchors[i].room >= 0.0 ? dvec3{0.0} : state.velocity * dt;
     const Aabb moved{box.lower + glm::min(path, dvec3{0.0}), box.upper + glm::max(path, dvec3{0.0})};
     set.boxes[i] = round_outward(inflate(moved, slack), set.origin);
-    set.motion[i] = is_static ? 0.0 : glm::length(state.velocity) * motion.dt + slack;
+    set.motion[i] = is_static ? 0.0 : glm::length(path) + slack;
+}
+
+bool is_curved(const Shape& shape) {
+    switch (type_of(shape)) {
+        case ShapeType::Sphere:
+        case ShapeType::Capsule:
+        case ShapeType::Cylinder:
+        case ShapeType::Cone: return true;
+        case ShapeType::Compound: return std::ranges::any_of(compound_of(shape)->parts(), [](const CompoundPart& part) { return is_curved(part.shape); });
+        default: return false;
+    }
 }
 
 std::uint64_t pack(std::uint32_t high, std::uint32_t low) { return (std::uint64_t{high} << 32) | low; }
@@ -75,12 +88,49 @@ void keep_origin_near(ProxySet& set, const BodyArrays& bodies) {
     set.stale.assign(set.stale.size(), 1);
 }
 
-void list_changes(ProxySet& set, const BodyArrays& bodies) {
+/// Of what has a box with room: whether it stays in it through the step. Then it has its pose, drift and motion.
+bool stays(ProxySet& set, std::uint32_t i, const BodyArrays& bodies, const Motion& motion) {
+    const Anchor& anchor = set.anchors[i];
+    if (anchor.room < 0.0) return false;
+    const Proxy& proxy = set.by_slot[i];
+    const BodyState& state = bodies.states[proxy.body];
+    const dquat turn = state.pose.orientation * glm::conjugate(anchor.orientation);
+    const double chord = 2.0 * glm::length(dvec3{turn.x, turn.y, turn.z});  // of a point one metre from the centre
+    const double drift = glm::length(state.pose.position - anchor.position) + proxy.reach * chord;
+    const double way = (glm::length(state.velocity) + proxy.reach * glm::length(state.spin)) * motion.dt + pull_of(motion_of(bodies, proxy.body, motion));
+    if (!(drift + way <= anchor.room)) return false;
+    set.poses[i] = state.pose * proxy.local;
+    set.drift[i] = drift;
+    set.motion[i] = anchor.room + drift;
+    return true;
+}
+
+void find_calm(ProxySet& set, const BodyArrays& bodies, const Motion& motion, bool any_room, Executor& executor) {
+    executor.parallel_for(set.by_slot.size(), kGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t slot = begin; slot < end; ++slot) {
+            const auto i = static_cast<std::uint32_t>(slot);
+            set.calm[i] = 0;
+            set.drift[i] = 0.0;
+            if (set.kinds[i] == ProxyKind::None || set.stale[i] != 0) continue;
+            const bool still = lies_still(bodies.roles[set.bodies[i]]);
+            set.calm[i] = still || (any_room && set.kinds[i] == ProxyKind::Bounded && stays(set, i, bodies, motion)) ? 1 : 0;
+        }
+    });
+}
+
+/// Whether a shape moves so little that its box gets room, and how much [m].
+double room_for(const ProxySet& set, std::uint32_t i, const BodyState& state, double share, double dt) {
+    const double room = share * set.extents[i] * set.firmness[i];
+    if (!std::isfinite(room)) return -1.0;  // the surface of a kinematic body, which others may touch anywhere
+    return (glm::length(state.velocity) + set.by_slot[i].reach * glm::length(state.spin)) * dt <= kLeastStay * room ? room : -1.0;
+}
+
+void list_changes(ProxySet& set) {
     set.moved.clear();
     set.removed.clear();
     for (std::uint32_t i = 0; i < set.by_slot.size(); ++i) {
         const bool bounded = set.kinds[i] == ProxyKind::Bounded;
-        if (bounded && (set.stale[i] != 0 || !lies_still(bodies.roles[set.bodies[i]]))) set.moved.push_back(i);
+        if (bounded && set.calm[i] == 0) set.moved.push_back(i);
         if (!bounded && set.listed[i] != 0) set.removed.push_back(i);
     }
 }
@@ -107,6 +157,10 @@ void put_proxy(ProxySet& set, Proxy proxy, const ProxyFilter& filter) {
         set.listed.resize(size, 0);
         set.versions.resize(size, 0);
         set.boxlike.resize(size, 0);
+        set.firmness.resize(size, 1.0);
+        set.anchors.resize(size);
+        set.calm.resize(size, 0);
+        set.drift.resize(size, 0.0);
     }
     const bool bounded = is_bounded(proxy.shape);
     if (!bounded) set.planes.insert(std::lower_bound(set.planes.begin(), set.planes.end(), slot), slot);
@@ -120,6 +174,7 @@ void put_proxy(ProxySet& set, Proxy proxy, const ProxyFilter& filter) {
     set.surfaces[slot] = {proxy.surface, compound_of(proxy.shape), is_ball};
     set.owners[slot] = {proxy.id, proxy.owner};
     set.extents[slot] = proxy.extent;
+    set.firmness[slot] = is_curved(proxy.shape) ? kCurvedFirmness : 1.0;
     set.by_slot[slot] = std::move(proxy);
     set.changed = true;
 }
@@ -151,7 +206,7 @@ double gap_over_plane(const ProxySet& set, const BodyArrays& bodies, std::uint32
     return gap_over(set.origin, set.boxes[bounded], set.poses[plane], surface, motion_of_plane(set, bodies, plane, bounded, dt));
 }
 
-void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& motion, Executor& executor) {
+void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& motion, double calm_share, Executor& executor) {
     if (set.changed) {
         keep_origin_near(set, bodies);
         for (std::size_t i = 0; i < set.by_slot.size(); ++i) {
@@ -159,7 +214,8 @@ void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& 
         }
     }
     set.changed = false;
-    list_changes(set, bodies);
+    find_calm(set, bodies, motion, calm_share > 0.0, executor);
+    list_changes(set);
     executor.parallel_for(set.moved.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         std::array<SweptBox, kBundleWidth> boxes;
         std::size_t count = 0;
@@ -168,12 +224,16 @@ void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& 
             const Proxy& proxy = set.by_slot[i];
             const BodyState& state = bodies.states[proxy.body];
             const bool is_static = lies_still(bodies.roles[proxy.body]);
+            const double pull = pull_of(motion_of(bodies, proxy.body, motion));
+            const double room = calm_share > 0.0 && !is_static ? room_for(set, i, state, calm_share, motion.dt) : -1.0;
+            const bool calms = room > 0.0;
+            set.anchors[i] = calms ? Anchor{state.pose.position, state.pose.orientation, room + pull} : Anchor{};
             const Box* const box = std::get_if<Box>(&proxy.shape);
             if (box == nullptr || is_static) {
-                sweep_one(set, i, state, is_static, motion_of(bodies, proxy.body, motion));
+                sweep_one(set, i, state, is_static, motion.dt, calms ? room + pull : play(proxy, state, pull, motion.dt));
                 continue;
             }
-            boxes[count++] = {&state, &proxy.local, box->half_extents, proxy.reach, pull_of(motion_of(bodies, proxy.body, motion)), &set.poses[i], &set.boxes[i], &set.motion[i]};
+            boxes[count++] = {&state, &proxy.local, box->half_extents, proxy.reach, calms ? room + pull : pull, calms, &set.poses[i], &set.boxes[i], &set.motion[i]};
             if (count == boxes.size()) sweep_boxes({boxes.data(), std::exchange(count, 0u)}, motion.dt, set.origin);
         }
         sweep_boxes({boxes.data(), count}, motion.dt, set.origin);
@@ -182,6 +242,10 @@ void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& 
         set.poses[p] = bodies.states[set.by_slot[p].body].pose * set.by_slot[p].local;
         set.stale[p] = 0;
     }
+}
+
+void note_refused(ProxySet& set) noexcept {
+    for (const std::uint32_t slot : set.moved) set.anchors[slot] = Anchor{};
 }
 
 void note_listed(ProxySet& set) noexcept {

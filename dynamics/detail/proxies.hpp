@@ -75,6 +75,13 @@ struct ProxySurface {
     bool is_ball = false;                ///< a sphere about the centre of mass: it looks the same however it turns
 };
 
+/// Where a body was when the box of its shape was made for more than a step, and how far the shape's points may come from there until it has to be made anew.
+struct Anchor {
+    dvec3 position{0.0};
+    dquat orientation = kIdentityRotation;
+    double room = -1.0;  ///< [m]; negative: the box is of one step
+};
+
 /// What stands at a slot.
 enum class ProxyKind : unsigned char { None, Bounded, Plane };
 
@@ -95,6 +102,10 @@ struct ProxySet {
     std::vector<unsigned char> listed;    ///< 1: the broadphase has a box of this slot
     std::vector<std::uint32_t> versions;  ///< how many proxies have stood there
     std::vector<unsigned char> boxlike;   ///< 1: a box, whose contacts with others are found anew as fast as they are carried along
+    std::vector<double> firmness;         ///< 1: faces, edges and corners; less where the shape is curved, and the normal of a contact turns as it moves
+    std::vector<Anchor> anchors;
+    std::vector<unsigned char> calm;      ///< 1: the box is the one of the update before, and holds the shape through this step as well
+    std::vector<double> drift;            ///< of what is calm: how far a point may have come from where it was at its anchor [m]; 0 of what lies still
     std::vector<std::uint32_t> planes;    ///< slots of the unbounded ones, ascending: the side list
     std::vector<std::uint32_t> moved;     ///< slots whose boxes the last update made anew, ascending
     std::vector<std::uint32_t> removed;   ///< slots that the broadphase has to let go
@@ -122,10 +133,15 @@ struct Motion {
 /// The origin is the middle of the dynamic bodies, about which float boxes lose least. It is chosen anew, and every box with it, only
 /// when something came or went and the middle has left the origin by more than the size of the whole scene: until then floats round as
 /// they would for a scene twice as large.
-void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& motion, Executor& executor);
+///
+/// What moves in a step by less than `calm_share` of its smallest extent gets a box with so much room that it need not be made anew, nor given to
+/// the broadphase, until a point has come that far from where it was: `calm`. Its `motion` says how far it may come from where it is by then.
+/// @param calm_share  0: nothing is calm but what lies still
+void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& motion, double calm_share, Executor& executor);
 
-/// Notes that the broadphase took over `moved` and `removed`. Until then the next update lists them again.
+/// Notes that the broadphase took over `moved` and `removed`, or that it did not: then the next update lists them again.
 void note_listed(ProxySet& set) noexcept;
+void note_refused(ProxySet& set) noexcept;
 
 /// @return how far a plane's surface may come towards a body about `point` in the step, by its own motion [m].
 [[nodiscard]] double plane_motion(const BodyState& plane, const dvec3& point, double reach, double dt) noexcept;

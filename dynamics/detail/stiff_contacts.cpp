@@ -46,6 +46,8 @@ bool StiffContacts::look(const ContactSet& contacts, const ProxySet& proxies, co
     manifolds_before_ = count;
     unsigned char any = 0;
     for (std::size_t m = 0; m < count; ++m) {
+        marks_[m] = 0;
+        if (contacts.manifolds[m].pair == kNoPair) continue;
         const ContactPair& pair = contacts.pairs[contacts.manifolds[m].pair];
         float impulse = 0.0f;
         for (std::size_t k = 0; k < contacts.manifolds[m].count; ++k) impulse += contacts.impulses[m][k].normal;
@@ -62,7 +64,10 @@ void StiffContacts::add_up_weights(const ContactSet& contacts, const BodyArrays&
     const double pull = glm::length(law.gravity);
     const dvec3 down = law.gravity / pull;
     const double reach = pull * law.dt * law.dt;
-    const auto bearing = [&](std::uint32_t m) { return bearing_of(contacts.manifolds[m], contacts.pairs[contacts.manifolds[m].pair], down, reach); };
+    const auto bearing = [&](std::uint32_t m) {
+        const std::uint32_t pair = contacts.manifolds[m].pair;
+        return pair == kNoPair ? Bearing{} : bearing_of(contacts.manifolds[m], contacts.pairs[pair], down, reach);
+    };
     const auto count = static_cast<std::uint32_t>(contacts.manifolds.size());
     const std::size_t slots = bodies.roles.size();
     first_below_.assign(slots + 2, 0);

@@ -31,8 +31,8 @@ void read_box(const SweptBox& box, std::size_t lane, SweptRows& rows) {
     const auto put_four = [&](TwoBundles (&row)[4], const dquat& q) { put(row[0], q.x), put(row[1], q.y), put(row[2], q.z), put(row[3], q.w); };
     put_three(rows.position, box.state->pose.position);
     put_four(rows.rotation, box.state->pose.orientation);
-    put_three(rows.velocity, box.state->velocity);
-    put_three(rows.spin, box.state->spin);
+    put_three(rows.velocity, box.has_room ? dvec3{0.0} : box.state->velocity);
+    put_three(rows.spin, box.has_room ? dvec3{0.0} : box.state->spin);
     put_three(rows.local_position, box.local->position);
     put_four(rows.local_rotation, box.local->orientation);
     put_three(rows.half, dvec3(box.half));

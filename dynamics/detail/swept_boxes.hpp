@@ -17,7 +17,8 @@ struct SweptBox {
     const Pose* local = nullptr;  ///< of the shape in its body's principal frame
     vec3 half{0.0f};              ///< half extents [m]
     double reach = 0.0;           ///< farthest point from the centre of mass [m]
-    double pull = 0.0;            ///< what gravity may do: |g| dt² [m]
+    double pull = 0.0;            ///< what gravity may do: |g| dt² [m]; of what has room, that too
+    bool has_room = false;        ///< velocity and spin count for nothing
     Pose* pose = nullptr;         ///< of the shape in the world
     FloatAabb* box = nullptr;     ///< about its motion, relative to the origin
     double* motion = nullptr;     ///< how far any point may move [m]

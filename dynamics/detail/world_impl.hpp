@@ -151,7 +151,7 @@ struct World::Impl {
     void push(BodyId body, const dvec3& force, const dvec3& torque);
     /// What moves the body at `slot` in a step while nothing touches it.
     [[nodiscard]] dynamics::FreeMotion free_motion(std::size_t slot) const noexcept;
-    void integrate_free_bodies(bool looked, double dt);
+    void integrate_free_bodies(bool contacts_found, double dt);
     void drop_parted();
     void forget_pushes();
     /// The mass of a body's shapes and of one more.
@@ -178,6 +178,11 @@ struct World::Impl {
     [[nodiscard]] bool wake_touched();
     void fall_asleep(double dt, StepReport& report);
     void find_contacts(dynamics::Step& step, const dynamics::Motion& motion);
+    /// Of its smallest extent, how far a shape may come before its contacts are looked at anew; 0 where all are in every step: then others than the
+    /// contact solver move what touches.
+    [[nodiscard]] double calm_share() const;
+    [[nodiscard]] bool choose_looked(double dt);
+    void patch_contacts(dynamics::Step& step);
     void solve_contacts(dynamics::Step& step, double dt);
     /// Follows what moved far.
     void follow(dynamics::Step& step, double dt);
@@ -211,6 +216,12 @@ struct World::Impl {
     dynamics::CandidateNames names;
     CollideScratch collide_scratch;
     dynamics::ContactSet contacts, previous;
+    std::vector<NumberedPair> looked;  // candidates that are looked at where contacts are kept, and what they are
+    std::vector<dynamics::ContactPair> looked_pairs;
+    std::vector<Manifold> found_anew;
+    dynamics::ContactChanges contact_changes;
+    bool contacts_hold = false;  // those of the last step, but for what its motion changed
+    bool set_aside = false, patched = false;  // in this step
     dynamics::Impacts impacts;
     dynamics::DirectIslands direct;
     dynamics::ResidualMeter residual;  // empty unless WorldDef::report_residual

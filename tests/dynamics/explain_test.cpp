@@ -54,7 +54,7 @@ TEST(Explain, ACrateOnTheGroundTouchesIt) {
 }
 
 TEST(Explain, EachRungIsReached) {
-    World world({.gravity = {0, 0, 0}});
+    World world({.gravity = {0, 0, 0}, .contact_reuse = 0.0});
     const BodyId a = put(world, {0, 0, 0}), far = put(world, {9, 0, 0}), empty = world.create_body();
     const BodyId ghost = put(world, {0, 0.5, 0}, BodyType::Dynamic, kCube, {.layer = 2, .mask = 2});
     const BodyId wall = put(world, {0, -3, 0}, BodyType::Static), floor = put(world, {0, -4, 0}, BodyType::Static);

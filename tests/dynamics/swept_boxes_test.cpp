@@ -70,7 +70,7 @@ TEST(SweptBoxes, HaveTheBitsOfOneAtATime) {
             for (Case& c : expected) c.local = count == 1 ? Pose{} : c.local;
             std::vector<Case> cases = expected;
             std::vector<SweptBox> boxes;
-            for (Case& c : cases) boxes.push_back({&c.state, &c.local, c.box.half_extents, c.reach, c.pull, &c.pose, &c.bounds, &c.motion});
+            for (Case& c : cases) boxes.push_back({&c.state, &c.local, c.box.half_extents, c.reach, c.pull, false, &c.pose, &c.bounds, &c.motion});
             sweep_boxes(boxes, kDt, origin);
             for (std::size_t i = 0; i < count; ++i) {
                 sweep_one(expected[i], origin);

@@ -1,0 +1,187 @@
+// A step whose contacts are those of the step before, but for some: they stay in their lanes, and what changed finds its own.
+#include <carom/dynamics/detail/contact_solver.hpp>
+
+#include <algorithm>
+#include <bit>
+#include <cstddef>
+#include <cstring>
+
+namespace carom::dynamics {
+namespace {
+
+static_assert(sizeof(PointLanes) % sizeof(Wide<float>) == 0 && sizeof(ContactBundle) % sizeof(Wide<float>) == 0);
+/// A bundle has as many points as that of its lanes that has most: what changes makes them more, until they are laid out anew.
+constexpr double kMostGrowth = 1.05;
+constexpr std::size_t kNumber = sizeof(float);
+constexpr std::size_t kRowsOfPoint = sizeof(PointLanes) / sizeof(Wide<float>);
+constexpr std::size_t kRowsOfHead = offsetof(ContactBundle, points) / sizeof(Wide<float>);
+
+/// All that a bundle has of a lane, as many points of it as `to` has.
+void copy_lane(const ContactBundle& from, std::size_t source, ContactBundle& to, std::size_t lane) {
+    const auto copy_rows = [&](const void* first, void* into, std::size_t rows) {
+        const auto* a = static_cast<const std::byte*>(first) + source * kNumber;
+        auto* b = static_cast<std::byte*>(into) + lane * kNumber;
+        for (std::size_t row = 0; row < rows; ++row) std::memcpy(b + row * sizeof(Wide<float>), a + row * sizeof(Wide<float>), kNumber);
+    };
+    copy_rows(&from, &to, kRowsOfHead);
+    copy_rows(from.points.data(), to.points.data(), static_cast<std::size_t>(to.point_count) * kRowsOfPoint);
+    to.manifold[lane] = from.manifold[source];
+}
+
+/// Points of a lane whose push-out is limited.
+std::int32_t deep_in(const ContactBundle& c, std::size_t lane) {
+    std::int32_t deep = 0;
+    for (std::int32_t k = 0; k < c.point_count; ++k) {
+        const PointLanes& p = c.points[static_cast<std::size_t>(k)];
+        deep += p.normal_mass[lane] > 0.0f && c.bias_rate[lane] * p.separation[lane] < -c.push_limit[lane] ? 1 : 0;
+    }
+    return deep;
+}
+
+}  // namespace
+
+void ContactSolver::note_places() {
+    places_of_.assign(contact_rows_.size(), kNowhere);
+    contacts_of_row_.assign(static_cast<std::size_t>(rows_.movable), 0);
+    color_of_bundle_.resize(bundles_.size());
+    free_.resize(colors_.size());
+    for (std::size_t c = 0; c < colors_.size(); ++c) {
+        free_[c].clear();
+        for (std::uint32_t b = colors_[c].first; b < colors_[c].first + colors_[c].count; ++b) {
+            color_of_bundle_[b] = static_cast<std::uint8_t>(c);
+            for (std::uint32_t lane = 0; lane < kLanesPerBundle; ++lane) {
+                const std::uint32_t m = bundles_[b].manifold[lane];
+                const Place place = b * kLanesPerBundle + lane;
+                m == kUnusedLane ? free_[c].push_back(place) : static_cast<void>(places_of_[m] = place);
+            }
+        }
+    }
+    rows_at_first_ = 0;
+    for (const ContactBundle& bundle : bundles_) rows_at_first_ += static_cast<std::size_t>(bundle.point_count);
+    rows_of_points_ = rows_at_first_;
+    for (const ContactRows& rows : contact_rows_) {
+        for (const std::int32_t row : {rows.a, rows.b}) {
+            if (row < rows_.movable) ++contacts_of_row_[static_cast<std::size_t>(row)];
+        }
+    }
+}
+
+// What does not move may be in many contacts of a colour. Contacts with it come in the later colours if there is room.
+bool ContactSolver::take_lane(std::uint32_t manifold) {
+    const ContactRows rows = contact_rows_[manifold];
+    std::uint32_t open = coloring_.open_to(rows);
+    while (open != 0) {
+        const bool fixed = rows.a >= rows_.movable || rows.b >= rows_.movable;
+        const auto color = static_cast<std::uint32_t>(fixed ? std::bit_width(open) - 1 : std::countr_zero(open));
+        open &= ~(std::uint32_t{1} << color);
+        if (color >= free_.size() || free_[color].empty()) continue;
+        coloring_.take(rows, color);
+        places_of_[manifold] = free_[color].back();
+        free_[color].pop_back();
+        return true;
+    }
+    return false;
+}
+
+void ContactSolver::free_lane(std::uint32_t manifold) {
+    const Place place = places_of_[manifold];
+    const std::uint32_t color = color_of_bundle_[place / kLanesPerBundle];
+    coloring_.give_back(contact_rows_[manifold], color);
+    free_[color].push_back(place);
+    places_of_[manifold] = kNowhere;
+    moves_.push_back({kUnusedLane, place});
+}
+
+bool ContactSolver::goes_on(std::span<const unsigned char> held, const SolverSettings& settings) const {
+    return is_whole_ && static_cast<double>(rows_of_points_) <= kMostGrowth * static_cast<double>(rows_at_first_) && shared_.empty() && settings == settings_ && std::ranges::find(held, 1) == held.end();
+}
+
+bool ContactSolver::resume(const ContactSet& contacts, const ContactChanges& changes, std::span<const unsigned char> held, const ProxySet& proxies,
+                           const BodyArrays& bodies, const SolverSettings& settings, Executor& executor) {
+    if (!goes_on(held, settings)) return false;
+    is_whole_ = false;
+    const auto count = [&](std::uint32_t manifold, std::uint32_t change) {
+        for (const std::int32_t row : {contact_rows_[manifold].a, contact_rows_[manifold].b}) {
+            if (row < rows_.movable) contacts_of_row_[static_cast<std::size_t>(row)] += change;
+        }
+    };
+    const auto has_contact = [&](std::uint32_t manifold) {
+        const auto holds = [&](std::int32_t row) { return row >= rows_.movable || contacts_of_row_[static_cast<std::size_t>(row)] > 0; };
+        return holds(contact_rows_[manifold].a) && holds(contact_rows_[manifold].b);
+    };
+    for (const std::uint32_t m : changes.added) {
+        const ContactPair& pair = contacts.pairs[contacts.manifolds[m].pair];
+        for (const std::uint32_t slot : {pair.body_a.slot, pair.body_b.slot}) {
+            if (bodies.roles[slot] != Role::Static && row_of_slot_[slot] == kNoRow) return false;
+        }
+    }
+    fill_rows(bodies, executor);
+    rules_.list(bodies, slot_of_row_, rows_.movable, settings.substep());
+    slender_.list(bodies, slot_of_row_, is_slender_, settings.dt, settings.substeps);
+    fill_changed_rows(contacts, changes, proxies, bodies);
+    moves_.clear();
+    places_of_.resize(contacts.manifolds.size(), kNowhere);
+    for (const std::uint32_t m : changes.replaced) moves_.push_back({m, places_of_[m]});
+    for (const std::uint32_t m : changes.removed) {
+        count(m, ~std::uint32_t{0});
+        free_lane(m);
+    }
+    for (const std::uint32_t m : changes.added) {
+        count(m, 1);
+        if (!take_lane(m)) return false;
+        moves_.push_back({m, places_of_[m]});
+    }
+    if (!std::ranges::all_of(changes.removed, has_contact)) return false;
+    for (const std::uint32_t m : changes.removed) contact_rows_[m] = {static_cast<std::int32_t>(slot_of_row_.size()), static_cast<std::int32_t>(slot_of_row_.size())};
+    fill_moves(contacts);
+    deep_count_ = rows_of_points_ = 0;
+    for (const ContactBundle& bundle : bundles_) {
+        deep_count_ += static_cast<std::size_t>(bundle.deep);
+        rows_of_points_ += static_cast<std::size_t>(bundle.point_count);
+    }
+    gaps_known_ = false;
+    is_whole_ = true;
+    return true;
+}
+
+// Removed ones keep their rows until their lanes are free.
+void ContactSolver::fill_changed_rows(const ContactSet& contacts, const ContactChanges& changes, const ProxySet& proxies, const BodyArrays& bodies) {
+    const std::size_t count = contacts.manifolds.size();
+    const ManifoldRow unused = manifold_rows_.back();
+    contact_rows_.resize(count);
+    manifold_rows_.resize(count + 1, unused);
+    manifold_rows_.back() = unused;
+    for (const std::vector<std::uint32_t>* some : {&changes.replaced, &changes.added}) {
+        for (const std::uint32_t m : *some) {
+            const ContactPair& pair = contacts.pairs[contacts.manifolds[m].pair];
+            fill_side(pair.proxy_a, proxies, bodies);
+            fill_side(pair.proxy_b, proxies, bodies);
+            manifold_rows_[m] = row_of(contacts.manifolds[m], sides_[pair.proxy_a], sides_[pair.proxy_b]);
+            contact_rows_[m] = {manifold_rows_[m].row_a, manifold_rows_[m].row_b};
+        }
+    }
+}
+
+// Sixteen side by side, as prepare() does it, and then each to its place.
+void ContactSolver::fill_moves(const ContactSet& contacts) {
+    const PrepareInput input{manifold_rows_, contacts.manifolds, contacts.impulses, rows_, soft_, soft_fixed_};
+    ContactBundle some;
+    for (std::size_t first = 0; first < moves_.size(); first += kLanesPerBundle) {
+        const std::size_t count = std::min<std::size_t>(kLanesPerBundle, moves_.size() - first);
+        some = ContactBundle{};
+        some.manifold.fill(kUnusedLane);
+        for (std::size_t lane = 0; lane < count; ++lane) some.manifold[lane] = moves_[first + lane].manifold;
+        prepare_bundles({&some, 1}, input);
+        for (std::size_t lane = 0; lane < count; ++lane) {
+            const Place place = moves_[first + lane].place;
+            ContactBundle& to = bundles_[place / kLanesPerBundle];
+            const std::size_t into = place % kLanesPerBundle;
+            const std::int32_t deep = deep_in(to, into);
+            for (; to.point_count < some.point_count; ++to.point_count) to.points[static_cast<std::size_t>(to.point_count)] = PointLanes{};
+            copy_lane(some, lane, to, into);
+            to.deep += deep_in(to, into) - deep;
+        }
+    }
+}
+
+}  // namespace carom::dynamics
