@@ -144,10 +144,10 @@ double World::Impl::calm_share() const {
 // Which of the candidates have to be looked at, where the contacts of the others are kept.
 bool World::Impl::choose_looked(double dt) {
     looked.clear();
-    if (!contacts_hold || dt / def.substeps != last_substep) return false;
+    if (!contacts_hold || calm_share() == 0.0 || dt / def.substeps != last_substep) return false;
     const std::size_t most = candidates.size() / kMostLooked;
     if (proxies.moved.size() * kMostLooked > proxies.by_slot.size()) return false;
-    const auto tracked = [&](std::uint32_t body) { return arrays.roles[body] == Role::Static || solver.holds(body); };
+    const auto tracked = [&](std::uint32_t body) { return arrays.roles[body] == Role::Static || (solver.holds(body) && displaced[body] == 0); };
     for (NumberedPair& pair : candidates) {
         const double slack = def.contact_reuse * std::min(proxies.extents[pair.a] * proxies.firmness[pair.a], proxies.extents[pair.b] * proxies.firmness[pair.b]);
         pair.slack = static_cast<float>(slack);
@@ -167,7 +167,8 @@ void World::Impl::patch_contacts(dynamics::Step& step) {
     step.report.reused = candidates.size() - looked.size();
     looked_pairs.clear();
     for (const NumberedPair& pair : looked) looked_pairs.push_back(dynamics::contact_pair(proxies, pair));
-    dynamics::patch_contacts(contacts, looked_pairs, found_anew, contact_changes);
+    const auto may_end = [&](const dynamics::ContactPair& pair) { return (proxies.calm[pair.proxy_a] & proxies.calm[pair.proxy_b]) == 0; };
+    dynamics::patch_contacts(contacts, looked_pairs, found_anew, may_end, contact_changes);
     names.now.clear();  // the narrowphase remembers other contacts
 }
 
@@ -182,6 +183,7 @@ void World::Impl::find_contacts(dynamics::Step& step, const dynamics::Motion& mo
         const PairUpdate& update = broadphase.update(changes, threads());
         if (update.number == last) {  // refused, which was reported: the next step asks again
             dynamics::note_refused(proxies);
+            pairs_complete = false;
             candidates.clear();
             return names.now.clear();
         }
@@ -189,6 +191,7 @@ void World::Impl::find_contacts(dynamics::Step& step, const dynamics::Motion& mo
         step.report.boxes_given = changes.moved.size();
         step.report.boxes_removed = changes.removed.size();
         step.report.pairs_limited = update.status != PairStatus::Complete;
+        pairs_complete = !step.report.pairs_limited;
         dynamics::list_candidates(proxies, arrays, update.pairs, motion.dt, threads(), candidate_parts, candidates);
         if (joints.parts_any()) drop_parted();
         if (sleepers.is_on()) dynamics::Sleepers::drop_idle(proxies, arrays, candidates);
@@ -322,7 +325,11 @@ StepReport World::Impl::take_step(const World& world, double dt) {
     if (w.sleepers.is_on()) step.run(Stage::Sleep, [&] { w.fall_asleep(dt, step.report); });
     w.last_substep = dt / w.def.substeps;
     w.looked_for_contacts = choices.contacts;
-    w.contacts_hold = choices.contacts && w.calm_share() > 0.0 && step.report.continuous.followed == 0 && step.report.quarantined.empty();
+    w.contacts_hold = choices.contacts && w.calm_share() > 0.0 && w.pairs_complete;
+    w.displaced.assign(w.arrays.roles.size(), 0);
+    if (choices.continuous) {
+        for (const std::uint32_t slot : w.continuous.displaced()) w.displaced[slot] = 1;
+    }
     step.report.step = ++w.steps;
     if (!step.report.quarantined.empty()) step.report.residual.reset();
     if (w.def.report_balance && step.report.quarantined.empty()) step.report.balance = balance_of(world) - before;

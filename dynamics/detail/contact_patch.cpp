@@ -80,42 +80,45 @@ void number_manifolds(ContactSet& contacts) {
 
 }  // namespace
 
-void patch_contacts(ContactSet& contacts, std::span<const ContactPair> looked, std::span<const Manifold> found, ContactChanges& changes) {
+void patch_contacts(ContactSet& contacts, std::span<const ContactPair> looked, std::span<const Manifold> found,
+                    FunctionRef<bool(const ContactPair&)> may_end, ContactChanges& changes) {
     changes.clear();
     changes.pairs.clear();
     Patch patch(contacts, found, changes);
+    std::vector<ContactPair>& pairs = contacts.pairs;
     std::size_t p = 0, kept = 0;  // pairs of the set that are done, and of these the first that is still to be copied
-    std::uint32_t next = 0;       // in `found`
-    bool moved = false;           // some pair came or went
     const auto copy_up_to = [&](std::size_t end) {
-        changes.pairs.insert(changes.pairs.end(), contacts.pairs.begin() + static_cast<std::ptrdiff_t>(kept),
-                             contacts.pairs.begin() + static_cast<std::ptrdiff_t>(end));
+        changes.pairs.insert(changes.pairs.end(), pairs.begin() + static_cast<std::ptrdiff_t>(kept), pairs.begin() + static_cast<std::ptrdiff_t>(end));
         kept = end;
     };
+    const auto end_pair = [&] {
+        copy_up_to(p);
+        patch.drop(pairs[p]);
+        kept = ++p;
+    };
+    const auto pass_until = [&](std::uint64_t key) {
+        while (p < pairs.size() && pairs[p].key < key) may_end(pairs[p]) ? end_pair() : static_cast<void>(++p);
+    };
+    std::uint32_t next = 0;  // in `found`
     for (std::uint32_t k = 0; k < looked.size(); ++k) {
         const std::uint32_t first = next;
         while (next < found.size() && found[next].pair == k) ++next;
-        while (p < contacts.pairs.size() && contacts.pairs[p].key < looked[k].key) ++p;
-        const bool known = p < contacts.pairs.size() && contacts.pairs[p].key == looked[k].key;
-        if (known && next > first) {
-            patch.replace(contacts.pairs[p], first, next);
-        } else if (known) {
-            copy_up_to(p);
-            patch.drop(contacts.pairs[p]);
-            kept = ++p;
-            moved = true;
+        pass_until(looked[k].key);
+        const bool known = p < pairs.size() && pairs[p].key == looked[k].key;
+        if (known) {
+            next > first ? patch.replace(pairs[p++], first, next) : end_pair();
         } else if (next > first) {
             copy_up_to(p);
             changes.pairs.push_back(looked[k]);
             patch.append(changes.pairs.back(), first, next, nullptr);
-            moved = true;
         }
     }
-    if (moved) {
-        copy_up_to(contacts.pairs.size());
-        std::swap(contacts.pairs, changes.pairs);
+    pass_until(~std::uint64_t{0});
+    if (!changes.added.empty() || !changes.removed.empty()) {
+        copy_up_to(pairs.size());
+        std::swap(pairs, changes.pairs);
+        number_manifolds(contacts);
     }
-    if (moved || !changes.added.empty() || !changes.removed.empty()) number_manifolds(contacts);
     sum_up(contacts);
 }
 

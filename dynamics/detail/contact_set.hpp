@@ -89,7 +89,9 @@ struct ContactChanges {
 /// to point as in link_manifolds(), at scale 1.
 /// @param looked   of each pair that was looked at what contact_pair() gives, without manifolds; sorted by key, in the set or not
 /// @param found    their manifolds, `pair` counted in `looked`
+/// @param may_end  whether a pair that was not looked at has none any more
 /// Cost: linear in the pairs.
-void patch_contacts(ContactSet& contacts, std::span<const ContactPair> looked, std::span<const Manifold> found, ContactChanges& changes);
+void patch_contacts(ContactSet& contacts, std::span<const ContactPair> looked, std::span<const Manifold> found,
+                    FunctionRef<bool(const ContactPair&)> may_end, ContactChanges& changes);
 
 }  // namespace carom::dynamics

@@ -144,6 +144,7 @@ void Continuous::record(const ContinuousScene& scene, StepPaths& paths) {
 
 bool Continuous::look(const ContinuousScene& scene) {
     counts_ = {};
+    displaced_.clear();
     if (!sizes_known_) list_bodies(scene);
     is_fast_.resize(scene.bodies.roles.size());
     scene.executor.parallel_for(is_fast_.size(), kSlotGrain, [&](std::size_t begin, std::size_t end) {

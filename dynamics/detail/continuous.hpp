@@ -82,6 +82,8 @@ public:
     [[nodiscard]] bool look(const ContinuousScene& scene);
     void run(const ContinuousScene& scene);
     [[nodiscard]] const ContinuousCounts& counts() const noexcept { return counts_; }
+    /// Slots of the bodies that the last run() put elsewhere than where they had come.
+    [[nodiscard]] std::span<const std::uint32_t> displaced() const noexcept { return displaced_; }
 
     /// Writes down how the bodies of a step moved, before run(), which adds what they meet; needs no look().
     void record(const ContinuousScene& scene, StepPaths& paths);
@@ -193,6 +195,7 @@ private:
     };
     std::vector<FastPairs> fast_pairs_;
     std::deque<Mover> movers_;
+    std::vector<std::uint32_t> displaced_;
     std::size_t mover_count_ = 0;              // those beyond keep their memory
     std::vector<Event> events_;                // a heap
     std::vector<std::uint64_t> seen_;          // by proxy: the look in which it was seen

@@ -53,6 +53,7 @@ void Continuous::run(const ContinuousScene& scene) {
     for (std::uint32_t i = 0; i < mover_count_; ++i) {
         if (!movers_[i].changed) continue;
         scene.bodies.states[movers_[i].slot] = state_at(scene, movers_[i], 1.0);
+        displaced_.push_back(movers_[i].slot);
         note_leg(i, 1.0);
     }
     paths_ = nullptr;

@@ -16,7 +16,7 @@ constexpr std::size_t kGrain = 256;
 constexpr std::size_t kPairGrain = 1024;
 constexpr std::uint32_t kSlotsOfAPart = 256, kSlotsWorthSharing = 2048;
 constexpr double kMarginShare = 0.25;  // of the smallest extent
-constexpr double kCurvedFirmness = 0.1;
+constexpr double kCurvedFirmness = 0.25;
 constexpr double kLeastStay = 0.5;     // what will be out of its room in less than two steps gets none
 
 /// What gravity may do in the step [m].
@@ -88,6 +88,9 @@ void keep_origin_near(ProxySet& set, const BodyArrays& bodies) {
     set.stale.assign(set.stale.size(), 1);
 }
 
+/// How far from the centre of mass points are that turning moves: a ball about it looks the same however it turns.
+double turning_reach(const ProxySet& set, std::uint32_t i) { return set.surfaces[i].is_ball ? 0.0 : set.by_slot[i].reach; }
+
 /// Of what has a box with room: whether it stays in it through the step. Then it has its pose, drift and motion.
 bool stays(ProxySet& set, std::uint32_t i, const BodyArrays& bodies, const Motion& motion) {
     const Anchor& anchor = set.anchors[i];
@@ -96,8 +99,9 @@ bool stays(ProxySet& set, std::uint32_t i, const BodyArrays& bodies, const Motio
     const BodyState& state = bodies.states[proxy.body];
     const dquat turn = state.pose.orientation * glm::conjugate(anchor.orientation);
     const double chord = 2.0 * glm::length(dvec3{turn.x, turn.y, turn.z});  // of a point one metre from the centre
-    const double drift = glm::length(state.pose.position - anchor.position) + proxy.reach * chord;
-    const double way = (glm::length(state.velocity) + proxy.reach * glm::length(state.spin)) * motion.dt + pull_of(motion_of(bodies, proxy.body, motion));
+    const double reach = turning_reach(set, i);
+    const double drift = glm::length(state.pose.position - anchor.position) + reach * chord;
+    const double way = (glm::length(state.velocity) + reach * glm::length(state.spin)) * motion.dt + pull_of(motion_of(bodies, proxy.body, motion));
     if (!(drift + way <= anchor.room)) return false;
     set.poses[i] = state.pose * proxy.local;
     set.drift[i] = drift;
@@ -122,7 +126,7 @@ void find_calm(ProxySet& set, const BodyArrays& bodies, const Motion& motion, bo
 double room_for(const ProxySet& set, std::uint32_t i, const BodyState& state, double share, double dt) {
     const double room = share * set.extents[i] * set.firmness[i];
     if (!std::isfinite(room)) return -1.0;  // the surface of a kinematic body, which others may touch anywhere
-    return (glm::length(state.velocity) + set.by_slot[i].reach * glm::length(state.spin)) * dt <= kLeastStay * room ? room : -1.0;
+    return (glm::length(state.velocity) + turning_reach(set, i) * glm::length(state.spin)) * dt <= kLeastStay * room ? room : -1.0;
 }
 
 void list_changes(ProxySet& set) {
@@ -262,9 +266,10 @@ namespace {
 void list_candidates_of(const ProxySet& set, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt, std::uint32_t first,
                         std::uint32_t last, std::vector<NumberedPair>& out) {
     out.clear();
+    const auto is_slow = [&](std::uint32_t slot) { return set.calm[slot] != 0 || set.anchors[slot].room >= 0.0; };
     const auto list = [&](std::uint32_t a, std::uint32_t b, double motion) {
-        const double closing = set.motion[a] + motion;
-        out.push_back({a, b, static_cast<float>(std::min(closing, kMarginShare * std::min(set.extents[a], set.extents[b])))});
+        const double closing = set.motion[a] + motion, most = kMarginShare * std::min(set.extents[a], set.extents[b]);
+        out.push_back({a, b, static_cast<float>(is_slow(a) && is_slow(b) ? closing : std::min(closing, most))});
     };
     auto next = std::lower_bound(found.begin(), found.end(), first, [](const ProxyPair& pair, std::uint32_t slot) { return pair.a < slot; });
     for (std::uint32_t i = first; i < last; ++i) {

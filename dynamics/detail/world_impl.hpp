@@ -220,7 +220,9 @@ struct World::Impl {
     std::vector<dynamics::ContactPair> looked_pairs;
     std::vector<Manifold> found_anew;
     dynamics::ContactChanges contact_changes;
-    bool contacts_hold = false;  // those of the last step, but for what its motion changed
+    bool contacts_hold = false;   // those of the last step, but for what its motion changed
+    bool pairs_complete = false;  // the broadphase listed all
+    std::vector<unsigned char> displaced;  // by slot: bodies that others than the contact solver put where they are
     bool set_aside = false, patched = false;  // in this step
     dynamics::Impacts impacts;
     dynamics::DirectIslands direct;

@@ -1,0 +1,192 @@
+// Contacts of bodies that hardly move stay as they are from step to step, but for what their motion changes.
+#include <carom/collision/convex_hull.hpp>
+#include <carom/core/simd_width.hpp>
+#include <carom/dynamics/explain.hpp>
+
+#include "odd_executors.hpp"
+#include "table.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+namespace carom {
+namespace {
+
+using namespace test;
+
+ConvexHullPtr wedge() {
+    return ConvexHull::build(std::vector<vec3>{{-0.4f, -0.3f, -0.4f}, {0.4f, -0.3f, -0.4f}, {-0.4f, -0.3f, 0.4f}, {0.4f, -0.3f, 0.4f}, {-0.3f, 0.3f, 0.0f}, {0.3f, 0.3f, 0.0f}}).value();
+}
+
+/// Four layers of boxes, wedges and balls, some askew, in a pit.
+Table heap(const WorldDef& def) {
+    Table table(def);
+    for (const double side : {-1.0, 1.0}) {
+        table.add({.type = BodyType::Static, .position = {3.4 * side, 1, 0}}, Box{{0.5f, 3.0f, 4.0f}});
+        table.add({.type = BodyType::Static, .position = {0, 1, 3.4 * side}}, Box{{4.0f, 3.0f, 0.5f}});
+    }
+    const ConvexHullPtr hull = wedge();
+    for (int i = 0; i < 144; ++i) {
+        const dvec3 at{0.95 * (i % 6) - 2.4 + 0.01 * (i % 7), 0.6 + 0.95 * (i / 36), 0.95 * ((i / 6) % 6) - 2.4 + 0.01 * (i % 5)};
+        const BodyDef body{.position = at, .angular_velocity = {0.3 * (i % 3), 0.2, 0.1 * (i % 4)}};
+        if (i % 4 == 3) {
+            table.add(body, Sphere{0.4f});
+        } else if (i % 4 == 1) {
+            table.add(body, hull);
+        } else {
+            table.add(body, Box{{0.4f, 0.3f + 0.05f * static_cast<float>(i % 3), 0.4f}});
+        }
+    }
+    return table;
+}
+
+TEST(KeptContacts, AHeapRestsAsItDoesWithoutThem) {
+    Table kept = heap({}), anew = heap({.contact_reuse = 0.0});
+    kept.run(400), anew.run(400);
+    const StepReport a = kept.world.step(kDt), b = anew.world.step(kDt);
+    EXPECT_GT(static_cast<double>(a.reused), 0.6 * static_cast<double>(a.pairs));
+    EXPECT_LT(a.boxes_given, 60u) << "what rests keeps its box";
+    EXPECT_EQ(b.reused, 0u);
+    EXPECT_LT(a.max_penetration, 2.0 * b.max_penetration);
+    EXPECT_LT(a.mean_penetration, 1.25 * b.mean_penetration);
+    const auto median_speed = [](const World& world) {
+        std::vector<double> speeds;
+        for (const BodyId body : world.bodies()) speeds.push_back(glm::length(world.linear_velocity(body)));
+        std::ranges::nth_element(speeds, speeds.begin() + 75);
+        return speeds[75];
+    };
+    EXPECT_LT(median_speed(kept.world), 2.0 * median_speed(anew.world) + 1e-4);
+}
+
+// explain() measures each pair where it is and holds what the step has of it against that.
+TEST(KeptContacts, AreWhatThePosesGiveWithinTheSlack) {
+    Table table = heap({});
+    for (int round = 0; round < 8; ++round) {
+        table.run(37);
+        const std::vector<BodyId> bodies(table.world.bodies().begin(), table.world.bodies().end());
+        std::size_t touching = 0;
+        for (const BodyId a : bodies) {
+            for (const BodyId b : bodies) {
+                if (!(a < b)) continue;
+                const ContactExplanation why = table.world.explain(a, b);
+                EXPECT_TRUE(why.disagreements.empty()) << why.disagreements.front();
+                touching += why.rung == Rung::Touch ? 1 : 0;
+            }
+        }
+        EXPECT_GT(touching, 80u);
+    }
+}
+
+TEST(KeptContacts, AreListedInTheOrderOfTheirShapesAndAreNeverEmpty) {
+    Table table = heap({});
+    std::size_t points = 0;
+    for (int i = 0; i < 300; ++i) {
+        table.run(1);
+        std::pair<std::uint32_t, std::uint32_t> last{0, 0};
+        for (std::size_t c = 0; c < table.world.contact_count(); ++c) {
+            const ContactView view = table.world.contact(c);
+            ASSERT_GT(view.manifold->count, 0u);
+            points += view.manifold->count;
+            const auto plane_last = [&](ShapeId id) { return id == table.ground_shape ? id.slot | 0x80000000u : id.slot; };
+            const std::pair<std::uint32_t, std::uint32_t> now{view.shape_a.slot, plane_last(view.shape_b)};
+            ASSERT_LT(last, now);
+            last = now;
+        }
+    }
+    EXPECT_GT(points, 60000u);
+}
+
+TEST(KeptContacts, HaveTheSameBitsOnAllThreadsAndWidths) {
+    const auto hashes = [](Executor* executor, int width) {
+        set_simd_width(width);
+        Table table = heap({.executor = executor});
+        std::vector<std::uint64_t> out;
+        for (int i = 0; i < 260; ++i) {
+            table.run(1);
+            out.push_back(table.world.state_hash());
+        }
+        set_simd_width(0);
+        return out;
+    };
+    const std::vector<std::uint64_t> expected = hashes(nullptr, 0);
+    for (const int width : available_simd_widths()) EXPECT_EQ(hashes(nullptr, width), expected) << width;
+    for (const int threads : {2, 3}) {
+        OddExecutor executor(threads, [](std::size_t count, const Executor::Body& body) { in_threads(count, body, false); });
+        EXPECT_EQ(hashes(&executor, 0), expected) << threads << " threads";
+    }
+}
+
+/// A box on a plank on the ground, a ball beside them; all at rest, and known to be.
+struct Rest {
+    Table table;
+    BodyId plank, box, ball;
+
+    explicit Rest(double reuse) : table({.contact_reuse = reuse, .contact_method = ContactMethod::Soft}) {
+        plank = table.add({.type = BodyType::Kinematic, .position = {0, 0.5, 0}}, Box{{1.5f, 0.5f, 1.5f}});
+        box = table.add({.position = {0, 1.5, 0}}, Box{{0.5f, 0.5f, 0.5f}});
+        ball = table.add({.position = {3, 0.5, 0}}, Sphere{0.5f});
+        table.run(120);
+    }
+};
+
+struct Event {
+    const char* name;
+    std::function<void(Rest& rest)> happens;
+    double moves = 0.0;  ///< at least, of the box [m]
+};
+
+TEST(KeptContacts, WhateverHappensIsSeenAtOnce) {
+    const Event events[] = {
+        {"nothing", [](Rest&) {}, 0.0},
+        {"the plank goes", [](Rest& r) { r.table.world.destroy_body(r.plank); }, 0.9},
+        {"the plank is put elsewhere", [](Rest& r) { r.table.world.set_pose(r.plank, {{0, -3, 0}, kIdentityRotation}); }, 0.9},
+        {"the plank is put a little lower", [](Rest& r) { r.table.world.set_pose(r.plank, {{0, 0.4999, 0}, kIdentityRotation}); }, 0.9e-4},
+        {"the plank moves", [](Rest& r) { r.table.world.set_linear_velocity(r.plank, {0.5, 0, 0}); }, 0.4},
+        {"the plank creeps", [](Rest& r) { r.table.world.set_linear_velocity(r.plank, {1e-3, 0, 0}); }, 0.9e-3},
+        {"the box is hit", [](Rest& r) { r.table.world.apply_impulse(r.box, {900, 0, 0}, r.table.world.center_of_mass(r.box)); }, 0.04},
+        {"the box is light", [](Rest& r) { r.table.world.set_gravity_scale(r.box, -0.1); }, 0.3},
+        {"the box is locked", [](Rest& r) {
+             r.table.world.set_locked_axes(r.box, LockedAxes::MoveY);
+             r.table.world.destroy_body(r.plank);
+         }, 0.0},
+        {"another lands", [](Rest& r) { r.table.add({.position = {0.3, 3.0, 0.1}}, Box{{0.4f, 0.4f, 0.4f}}); }, 0.0},
+        {"a bullet comes", [](Rest& r) { r.table.add({.position = {-5, 1.5, 0}, .linear_velocity = {400, 0, 0}}, Sphere{0.1f}, {.density = 8000.0}); }, 0.5},
+        {"a joint comes", [](Rest& r) { r.table.world.create_joint(BallJointDef{.body_a = r.box, .anchor_a = {0, 0.5, 0}, .anchor_b = {0, 2, 0}}); }, 0.0},
+        {"a wing comes", [](Rest& r) { r.table.world.add_shape(r.box, Box{{0.2f, 0.2f, 0.2f}}, {.density = 9000.0, .local = {{2.0, 0, 0}, kIdentityRotation}}); }, 0.2},
+        {"the step is shorter", [](Rest& r) { for (int i = 0; i < 30; ++i) r.table.world.step(kDt / 2); }, 0.0},
+    };
+    for (const Event& event : events) {
+        Rest kept(WorldDef{}.contact_reuse), anew(0.0);
+        EXPECT_GT(kept.table.world.step(kDt).reused, 0u);
+        EXPECT_EQ(anew.table.world.step(kDt).reused, 0u);
+        const dvec3 before = anew.table.world.center_of_mass(anew.box);
+        for (Rest* rest : {&kept, &anew}) {
+            event.happens(*rest);
+            rest->table.run(60);
+        }
+        const dvec3 a = kept.table.world.center_of_mass(kept.box), b = anew.table.world.center_of_mass(anew.box);
+        EXPECT_LT(glm::length(a - b), 1e-4 + 0.01 * glm::length(b - before)) << event.name;
+        EXPECT_GE(glm::length(b - before), event.moves) << event.name;
+    }
+}
+
+// A box creeps over the edge of a table, at a thirtieth of a millimetre a step: it tips where its middle has no more under it.
+TEST(KeptContacts, WhatCreepsOverAnEdgeTips) {
+    const auto steps_to_tip = [](double reuse) {
+        Table table({.contact_reuse = reuse, .contact_method = ContactMethod::Soft}, 0.0f);
+        table.add({.type = BodyType::Static, .position = {-2, 2, 0}}, Box{{2.0f, 0.5f, 1.0f}}, {.friction = 0.0f});
+        const BodyId box = table.add({.position = {-0.004, 3.0, 0}, .linear_velocity = {0.002, 0, 0}}, Box{{0.5f, 0.5f, 0.5f}}, {.friction = 0.0f});
+        int steps = 0;
+        while (table.world.center_of_mass(box).y > 2.95 && steps < 2000) table.run(1), ++steps;
+        return steps;
+    };
+    const int kept = steps_to_tip(WorldDef{}.contact_reuse), anew = steps_to_tip(0.0);
+    EXPECT_LT(anew, 500);
+    EXPECT_NEAR(kept, anew, 15) << "half a millimetre";
+}
+
+}  // namespace
+}  // namespace carom
