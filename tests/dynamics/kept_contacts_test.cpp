@@ -80,6 +80,32 @@ TEST(KeptContacts, AreWhatThePosesGiveWithinTheSlack) {
     }
 }
 
+// What rests is not given to the broadphase again; it must not have left the box that it has there.
+TEST(KeptContacts, EveryShapeIsInItsBox) {
+    Table table = heap({});
+    const World& world = table.world;
+    std::size_t kept = 0;
+    for (int i = 0; i < 300; ++i) {
+        std::vector<std::pair<std::uint32_t, Aabb>> were;
+        for (const BodyId body : world.bodies()) {
+            for (const ShapeId id : world.shapes(body)) {
+                if (is_bounded(world.shape(id))) were.emplace_back(id.slot, bounds(world.shape(id), world.pose(body)));
+            }
+        }
+        table.run(1);
+        const dvec3 origin = world.broadphase_origin();
+        for (const auto& [slot, was] : were) {
+            const FloatAabb box = world.broadphase().box(slot);
+            for (int k = 0; k < 3; ++k) {
+                ASSERT_LE(origin[k] + static_cast<double>(box.lower[k]), was.lower[k]) << i;
+                ASSERT_GE(origin[k] + static_cast<double>(box.upper[k]), was.upper[k]) << i;
+            }
+        }
+        kept += world.broadphase().result().begun.empty() ? 1 : 0;
+    }
+    EXPECT_GT(kept, 50u);
+}
+
 TEST(KeptContacts, AreListedInTheOrderOfTheirShapesAndAreNeverEmpty) {
     Table table = heap({});
     std::size_t points = 0;
