@@ -1,6 +1,8 @@
 // A step whose contacts are those of the step before, but for some: they stay in their lanes, and what changed finds its own.
 #include <carom/dynamics/detail/contact_solver.hpp>
 
+#include <carom/core/check.hpp>
+
 #include <algorithm>
 #include <bit>
 #include <cstddef>
@@ -36,6 +38,17 @@ std::int32_t deep_in(const ContactBundle& c, std::size_t lane) {
         deep += p.normal_mass[lane] > 0.0f && c.bias_rate[lane] * p.separation[lane] < -c.push_limit[lane] ? 1 : 0;
     }
     return deep;
+}
+
+/// Whether no other lane has a body of this one that moves: what a colour promises.
+[[maybe_unused]] bool is_alone(const ContactBundle& c, std::size_t lane, std::int32_t movable) {
+    for (std::size_t other = 0; other < kLanesPerBundle; ++other) {
+        if (other == lane) continue;
+        for (const std::int32_t row : {c.row_a[lane], c.row_b[lane]}) {
+            if (row < movable && (row == c.row_a[other] || row == c.row_b[other])) return false;
+        }
+    }
+    return true;
 }
 
 }  // namespace
@@ -179,6 +192,7 @@ void ContactSolver::fill_moves(const ContactSet& contacts) {
             const std::int32_t deep = deep_in(to, into);
             for (; to.point_count < some.point_count; ++to.point_count) to.points[static_cast<std::size_t>(to.point_count)] = PointLanes{};
             copy_lane(some, lane, to, into);
+            CAROM_ASSERT(is_alone(to, into, rows_.movable));
             to.deep += deep_in(to, into) - deep;
         }
     }
