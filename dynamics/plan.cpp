@@ -129,7 +129,7 @@ Plan World::plan(double dt) const {
     plan.settings.push_back(sentence("contacts as springs of %.4g times the substep rate", def.contact_rate));
     plan.settings.push_back(sentence("damping ratio of contacts: %.4g", def.contact_damping));
     plan.settings.push_back(def.contact_reuse > 0.0
-                                ? sentence("contacts, but of two boxes, are carried along until two shapes have moved by %.4g of the smallest extent", def.contact_reuse)
+                                ? sentence("contacts are kept until two shapes have moved against each other by %.4g of the smallest extent", def.contact_reuse)
                                 : "contacts are found anew in every step");
     plan.settings.push_back(std::string("islands of bodies in contact are solved by the method ") + to_string(def.contact_method));
     if (can_solve_directly(def)) {

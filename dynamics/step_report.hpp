@@ -85,10 +85,10 @@ struct StepReport {
     std::array<double, kStageCount> stage_ms{};  ///< wall time by stage, substeps summed
     double total_ms = 0.0;
 
-    std::size_t boxes_given = 0;    ///< to the broadphase: of what moves, and of what came or was changed since the step before
+    std::size_t boxes_given = 0;    ///< to the broadphase: of what moves, but for what is nearly at rest, and of what came or was changed since the step before
     std::size_t boxes_removed = 0;  ///< from it: of what was destroyed or quarantined
     std::size_t pairs = 0;      ///< from the broadphase and the side list of planes
-    std::size_t reused = 0;     ///< of these, carried along from the step before: see WorldDef::contact_reuse
+    std::size_t reused = 0;     ///< of these, kept or carried along from the step before: see WorldDef::contact_reuse
     std::size_t manifolds = 0;
     std::size_t contacts = 0;   ///< points of all manifolds
     std::size_t touching = 0;   ///< of these, with separation <= 0

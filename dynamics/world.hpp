@@ -43,8 +43,8 @@ struct WorldDef {
                                       ///< doubled against static bodies
     double contact_damping = 1.0;     ///< damping ratio of the soft contact, >= 0
     double max_push = 0.1;            ///< overlap is removed by at most this share of the smaller shape's smallest extent a step, >= 0
-    double contact_reuse = 1e-3;      ///< share of the smaller shape's smallest extent, in [0, 0.1], that two shapes (not two boxes) may move against
-                                      ///< each other before their contact is found anew; 0: in every step
+    double contact_reuse = 1e-3;      ///< share of the smaller shape's smallest extent, in [0, 0.1], that two shapes may move against each other before
+                                      ///< their contact is found anew; 0: in every step. docs/step.md (Collide) has what else makes it be found anew
     double spin_tolerance = 1e-6;     ///< relative error allowed of the rotational energy of free bodies, within 1e-12 .. 1; it does not grow
                                       ///< with time. Bodies of three unlike moments are sub-cycled to it (free_rotation.hpp)
     ContactMethod contact_method = ContactMethod::Automatic;

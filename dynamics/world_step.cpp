@@ -17,6 +17,7 @@ namespace {
 
 constexpr std::size_t kBodyGrain = 128;
 constexpr std::size_t kMostLooked = 3;      // contacts are kept where at most one candidate in so many has to be looked at
+constexpr std::size_t kMostUnused = 64;     // manifolds, beside an eighth of those in use
 constexpr std::uint64_t kLongestKept = 64;  // steps, after which a pair is looked at in any case; a power of two
 
 void count_contacts(StepReport& report, const dynamics::ContactSet& contacts, const dynamics::ContactSolver& solver) {
@@ -147,6 +148,7 @@ bool World::Impl::choose_looked(double dt) {
     if (!contacts_hold || calm_share() == 0.0 || dt / def.substeps != last_substep) return false;
     const std::size_t most = candidates.size() / kMostLooked;
     if (proxies.moved.size() * kMostLooked > proxies.by_slot.size()) return false;
+    if (contacts.manifolds.size() > kMostUnused + contacts.manifold_count() + contacts.manifold_count() / 8) return false;  // closes the ranks
     const auto tracked = [&](std::uint32_t body) { return arrays.roles[body] == Role::Static || (solver.holds(body) && displaced[body] == 0); };
     for (NumberedPair& pair : candidates) {
         const double slack = def.contact_reuse * std::min(proxies.extents[pair.a] * proxies.firmness[pair.a], proxies.extents[pair.b] * proxies.firmness[pair.b]);
