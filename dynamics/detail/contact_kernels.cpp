@@ -255,7 +255,7 @@ template <bool kBias, bool kGapsKnown>
 void solve_all(std::span<ContactBundle> bundles, SolverBodies& bodies, const SolveSettings& settings) {
     std::size_t i = 0;
     for (; i + 1 < bundles.size(); i += 2) {
-        const bool more = bundles[i].point_count >= bundles[i + 1].point_count;  // nearly always: they are laid out so
+        const bool more = bundles[i].point_count >= bundles[i + 1].point_count;  // than its neighbour, which may have as many
         ContactBundle &first = bundles[more ? i : i + 1], &second = bundles[more ? i + 1 : i];
         for (int lane = 0; lane < kBundleWidth; lane += kLanes) solve_two<kBias, kGapsKnown>(first, second, bodies, settings, lane);
     }

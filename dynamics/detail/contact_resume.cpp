@@ -7,6 +7,7 @@
 #include <bit>
 #include <cstddef>
 #include <cstring>
+#include <utility>
 
 namespace carom::dynamics {
 namespace {
@@ -89,11 +90,33 @@ bool ContactSolver::take_lane(std::uint32_t manifold) {
         open &= ~(std::uint32_t{1} << color);
         if (color >= free_.size() || free_[color].empty()) continue;
         coloring_.take(rows, color);
-        places_of_[manifold] = free_[color].back();
+        const std::size_t best = best_lane(color, manifold_rows_[manifold].count);
+        places_of_[manifold] = std::exchange(free_[color][best], free_[color].back());
         free_[color].pop_back();
         return true;
     }
     return false;
+}
+
+// Where it makes the bundle's points no more, and leaves lanes of more points to others.
+std::size_t ContactSolver::best_lane(std::uint32_t color, std::int32_t points) const {
+    const auto cost = [&](Place place) {
+        const std::int32_t has = bundles_[place / kLanesPerBundle].point_count;
+        return has >= points ? has - points : kMaxManifoldPoints + points - has;
+    };
+    return static_cast<std::size_t>(std::ranges::min_element(free_[color], {}, cost) - free_[color].begin());
+}
+
+// To a bundle of as many points as it has by now, if there is a lane.
+void ContactSolver::move_up(std::uint32_t manifold) {
+    const Place from = places_of_[manifold];
+    const std::int32_t points = manifold_rows_[manifold].count;
+    const std::uint32_t color = color_of_bundle_[from / kLanesPerBundle];
+    if (points <= bundles_[from / kLanesPerBundle].point_count || free_[color].empty()) return;
+    const std::size_t best = best_lane(color, points);
+    if (bundles_[free_[color][best] / kLanesPerBundle].point_count < points) return;
+    places_of_[manifold] = std::exchange(free_[color][best], from);
+    moves_.push_back({kUnusedLane, from});
 }
 
 void ContactSolver::free_lane(std::uint32_t manifold) {
@@ -134,7 +157,10 @@ bool ContactSolver::resume(const ContactSet& contacts, const ContactChanges& cha
     fill_changed_rows(contacts, changes, proxies, bodies);
     moves_.clear();
     places_of_.resize(contacts.manifolds.size(), kNowhere);
-    for (const std::uint32_t m : changes.replaced) moves_.push_back({m, places_of_[m]});
+    for (const std::uint32_t m : changes.replaced) {
+        move_up(m);
+        moves_.push_back({m, places_of_[m]});
+    }
     for (const std::uint32_t m : changes.removed) {
         count(m, ~std::uint32_t{0});
         free_lane(m);
@@ -190,7 +216,9 @@ void ContactSolver::fill_moves(const ContactSet& contacts) {
             ContactBundle& to = bundles_[place / kLanesPerBundle];
             const std::size_t into = place % kLanesPerBundle;
             const std::int32_t deep = deep_in(to, into);
-            for (; to.point_count < some.point_count; ++to.point_count) to.points[static_cast<std::size_t>(to.point_count)] = PointLanes{};
+            const std::uint32_t manifold = moves_[first + lane].manifold;
+            const std::int32_t points = manifold == kUnusedLane ? 0 : manifold_rows_[manifold].count;
+            for (; to.point_count < points; ++to.point_count) to.points[static_cast<std::size_t>(to.point_count)] = PointLanes{};
             copy_lane(some, lane, to, into);
             CAROM_ASSERT(is_alone(to, into, rows_.movable));
             to.deep += deep_in(to, into) - deep;

@@ -230,7 +230,7 @@ std::uint8_t ContactSolver::kind_of(const ManifoldRow& row) const {
     const auto body = static_cast<std::uint32_t>(std::min(row.row_a, row.row_b));
     std::size_t part = 0;
     for (std::size_t k = 1; k < part_count_; ++k) part += body >= part_rows_[k] ? 1 : 0;
-    return static_cast<std::uint8_t>(part * kKinds + (kMaxManifoldPoints - static_cast<std::size_t>(row.count)));
+    return static_cast<std::uint8_t>(part * kKinds + static_cast<std::size_t>(row.count));
 }
 
 void ContactSolver::sort_by_points() {

@@ -107,6 +107,8 @@ private:
     void note_places();
     [[nodiscard]] bool take_lane(std::uint32_t manifold);
     void free_lane(std::uint32_t manifold);
+    [[nodiscard]] std::size_t best_lane(std::uint32_t color, std::int32_t points) const;
+    void move_up(std::uint32_t manifold);
     void fill_moves(const ContactSet& contacts);
     [[nodiscard]] bool goes_on(std::span<const unsigned char> held, const SolverSettings& settings) const;
     void fill_changed_rows(const ContactSet& contacts, const ContactChanges& changes, const ProxySet& proxies, const BodyArrays& bodies);
@@ -159,7 +161,7 @@ private:
     std::vector<std::uint8_t> kinds_;          // per manifold: its part and number of points
     Coloring coloring_;
     std::vector<std::uint32_t> places_;        // scratch of sort_by_points()
-    std::vector<std::uint32_t> lane_order_;    // of manifolds: by colour, then by part and falling number of points
+    std::vector<std::uint32_t> lane_order_;    // of manifolds: by colour, then by part and rising number of points, so that lanes are free for those that get more
     std::vector<Color> colors_;
     std::vector<Lanes> lanes_;                 // of each bundle
     std::vector<ContactBundle> bundles_;
