@@ -163,6 +163,8 @@ BodyId World::create_body(const BodyDef& def) {
     // Until it has shapes, a body moves as a kilogram with unit inertia.
     if (def.type == BodyType::Dynamic) impl_->assign_mass(id, {1.0, dvec3{0.0}, dmat3{1.0}});
     impl_->continuous.begin(id.slot, def.continuity);
+    impl_->continuous.note_shapes();
+    impl_->sleepers.note_shapes();
     if (impl_->sleepers.is_on()) impl_->sleepers.begin(id.slot, def.can_sleep, arrays.states[id.slot]);
     impl_->body_order.push_back(id);
     return id;

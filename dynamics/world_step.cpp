@@ -145,7 +145,7 @@ double World::Impl::calm_share() const {
 // Which of the candidates have to be looked at, where the contacts of the others are kept.
 bool World::Impl::choose_looked(double dt) {
     looked.clear();
-    if (!contacts_hold || calm_share() == 0.0 || dt / def.substeps != last_substep) return false;
+    if (!contacts_held || calm_share() == 0.0 || dt / def.substeps != last_substep) return false;
     const std::size_t most = candidates.size() / kMostLooked;
     if (proxies.moved.size() * kMostLooked > proxies.by_slot.size()) return false;
     if (contacts.manifolds.size() > kMostUnused + contacts.manifold_count() + contacts.manifold_count() / 8) return false;  // closes the ranks
@@ -271,6 +271,7 @@ StepReport World::Impl::take_step(const World& world, double dt) {
     dynamics::Step step(dt);
     step.run(Stage::Quarantine, [&] { w.quarantine_unusable(dt, step.report); });
     if (w.sleepers.is_on()) step.run(Stage::Sleep, [&] { w.wake_before_step(dt); });
+    w.contacts_held = std::exchange(w.contacts_hold, false);  // until the step is over, whatever is thrown in it
     const dynamics::StepChoices choices = w.choose();
     const dynamics::Motion motion{w.def.gravity, dt};
     const Balance before = w.def.report_balance ? balance_of(world) : Balance{};
@@ -327,7 +328,7 @@ StepReport World::Impl::take_step(const World& world, double dt) {
     if (w.sleepers.is_on()) step.run(Stage::Sleep, [&] { w.fall_asleep(dt, step.report); });
     w.last_substep = dt / w.def.substeps;
     w.looked_for_contacts = choices.contacts;
-    w.contacts_hold = choices.contacts && w.calm_share() > 0.0 && w.pairs_complete;
+    w.contacts_hold = choices.contacts && w.calm_share() > 0.0 && w.pairs_complete && step.report.quarantined.empty();
     w.displaced.assign(w.arrays.roles.size(), 0);
     if (choices.continuous) {
         for (const std::uint32_t slot : w.continuous.displaced()) w.displaced[slot] = 1;

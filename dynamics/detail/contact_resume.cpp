@@ -2,6 +2,7 @@
 #include <carom/dynamics/detail/contact_solver.hpp>
 
 #include <carom/core/check.hpp>
+#include <carom/core/flush_to_zero.hpp>
 
 #include <algorithm>
 #include <bit>
@@ -13,8 +14,9 @@ namespace carom::dynamics {
 namespace {
 
 static_assert(sizeof(PointLanes) % sizeof(Wide<float>) == 0 && sizeof(ContactBundle) % sizeof(Wide<float>) == 0);
-/// A bundle has as many points as that of its lanes that has most: what changes makes them more, until they are laid out anew.
-constexpr double kMostGrowth = 1.05;
+/// A bundle has as many points as that of its lanes that has most: lanes that get more make them more, until they are laid out anew. They are counted, and not
+/// the points of the bundles, since which lanes share a bundle depends on the number of threads.
+constexpr std::size_t kMostGrown = 8;  // in so many bundles, one lane
 constexpr std::size_t kNumber = sizeof(float);
 constexpr std::size_t kRowsOfPoint = sizeof(PointLanes) / sizeof(Wide<float>);
 constexpr std::size_t kRowsOfHead = offsetof(ContactBundle, points) / sizeof(Wide<float>);
@@ -70,9 +72,7 @@ void ContactSolver::note_places() {
             }
         }
     }
-    rows_at_first_ = 0;
-    for (const ContactBundle& bundle : bundles_) rows_at_first_ += static_cast<std::size_t>(bundle.point_count);
-    rows_of_points_ = rows_at_first_;
+    grown_ = 0;
     for (const ContactRows& rows : contact_rows_) {
         for (const std::int32_t row : {rows.a, rows.b}) {
             if (row < rows_.movable) ++contacts_of_row_[static_cast<std::size_t>(row)];
@@ -129,7 +129,7 @@ void ContactSolver::free_lane(std::uint32_t manifold) {
 }
 
 bool ContactSolver::goes_on(std::span<const unsigned char> held, const SolverSettings& settings) const {
-    return is_whole_ && static_cast<double>(rows_of_points_) <= kMostGrowth * static_cast<double>(rows_at_first_) && shared_.empty() && settings == settings_ && std::ranges::find(held, 1) == held.end();
+    return is_whole_ && kMostGrown * grown_ <= bundles_.size() && shared_.empty() && settings == settings_ && std::ranges::find(held, 1) == held.end();
 }
 
 bool ContactSolver::resume(const ContactSet& contacts, const ContactChanges& changes, std::span<const unsigned char> held, const ProxySet& proxies,
@@ -173,11 +173,8 @@ bool ContactSolver::resume(const ContactSet& contacts, const ContactChanges& cha
     if (!std::ranges::all_of(changes.removed, has_contact)) return false;
     for (const std::uint32_t m : changes.removed) contact_rows_[m] = {static_cast<std::int32_t>(slot_of_row_.size()), static_cast<std::int32_t>(slot_of_row_.size())};
     fill_moves(contacts);
-    deep_count_ = rows_of_points_ = 0;
-    for (const ContactBundle& bundle : bundles_) {
-        deep_count_ += static_cast<std::size_t>(bundle.deep);
-        rows_of_points_ += static_cast<std::size_t>(bundle.point_count);
-    }
+    deep_count_ = 0;
+    for (const ContactBundle& bundle : bundles_) deep_count_ += static_cast<std::size_t>(bundle.deep);
     gaps_known_ = false;
     is_whole_ = true;
     return true;
@@ -195,7 +192,9 @@ void ContactSolver::fill_changed_rows(const ContactSet& contacts, const ContactC
             const ContactPair& pair = contacts.pairs[contacts.manifolds[m].pair];
             fill_side(pair.proxy_a, proxies, bodies);
             fill_side(pair.proxy_b, proxies, bodies);
+            const std::int32_t points = some == &changes.added ? 0 : manifold_rows_[m].count;
             manifold_rows_[m] = row_of(contacts.manifolds[m], sides_[pair.proxy_a], sides_[pair.proxy_b]);
+            grown_ += manifold_rows_[m].count > points ? 1 : 0;
             contact_rows_[m] = {manifold_rows_[m].row_a, manifold_rows_[m].row_b};
         }
     }
@@ -203,6 +202,7 @@ void ContactSolver::fill_changed_rows(const ContactSet& contacts, const ContactC
 
 // Sixteen side by side, as prepare() does it, and then each to its place.
 void ContactSolver::fill_moves(const ContactSet& contacts) {
+    const FlushToZero no_denormals;  // as in prepare()
     const PrepareInput input{manifold_rows_, contacts.manifolds, contacts.impulses, rows_, soft_, soft_fixed_};
     ContactBundle some;
     for (std::size_t first = 0; first < moves_.size(); first += kLanesPerBundle) {

@@ -1,5 +1,6 @@
 #include <carom/dynamics/detail/contact_solver.hpp>
 
+#include <carom/core/flush_to_zero.hpp>
 #include <carom/dynamics/detail/body_kernels.hpp>
 #include <carom/dynamics/detail/integrator.hpp>
 
@@ -288,6 +289,7 @@ void ContactSolver::for_bundles(Executor& executor, FunctionRef<void(std::span<C
     };
     SerialExecutor alone;
     Executor& threads = PhaseLoop::part_count(executor) == part_count_ ? executor : alone;
+    const FlushToZero no_denormals;  // as where parts are shared
     if (part_count_ == 1) return work_on(0, bundles_.size());
     const auto work_on_parts = [&](std::size_t, std::size_t begin, std::size_t end) {
         for (std::size_t part = begin; part < end; ++part) {

@@ -77,7 +77,7 @@ public:
     void store(BodyArrays& bodies, ContactSet& contacts, Executor& executor);
 
     /// @return whether any contact holds the body in `slot` in this step: it is the solver's, not the free integrator's.
-    [[nodiscard]] bool holds(std::uint32_t slot) const noexcept { return row_of_slot_[slot] != kNoRow; }
+    [[nodiscard]] bool holds(std::uint32_t slot) const noexcept { return slot < row_of_slot_.size() && row_of_slot_[slot] != kNoRow; }
     [[nodiscard]] std::size_t overflow_count() const noexcept { return coloring_.overflow_count(); }
     [[nodiscard]] std::size_t deep_count() const noexcept { return deep_count_; }
 
@@ -174,7 +174,7 @@ private:
     std::vector<std::uint8_t> color_of_bundle_;
     std::vector<std::uint32_t> contacts_of_row_;               // of rows that move
     std::vector<Move> moves_;
-    std::size_t rows_of_points_ = 0, rows_at_first_ = 0;       // points of all bundles, now and when they were laid out
+    std::size_t grown_ = 0;                                    // lanes that got more points since they were laid out
     std::vector<Phase> phases_;
     std::vector<Task> tasks_;  // of each phase
     PhaseLoop loop_;

@@ -1,5 +1,6 @@
 #include <carom/dynamics/detail/phase_loop.hpp>
 
+#include <carom/core/flush_to_zero.hpp>
 #include <carom/dynamics/detail/team.hpp>
 
 #include <algorithm>
@@ -53,6 +54,7 @@ void PhaseLoop::State::wait(std::size_t parts, std::uint32_t run) const noexcept
 
 void PhaseLoop::take_part(std::size_t thread, std::size_t parts, std::span<const Phase> phases, Body body,
                           std::span<double> milliseconds) noexcept {
+    const FlushToZero no_denormals;
     Watch watch(!is_timed_.exchange(true, std::memory_order_relaxed), milliseconds);
     for (std::size_t p = 0; p < phases.size(); ++p) {
         const Phase& phase = phases[p];
@@ -77,6 +79,7 @@ std::size_t PhaseLoop::part_count(const Executor& executor) noexcept {
 void PhaseLoop::run(std::span<const Phase> phases, Executor& executor, Body body, std::span<double> milliseconds) {
     const auto threads = static_cast<std::size_t>(executor.thread_count());
     if (threads == 1) {
+        const FlushToZero no_denormals;
         Watch watch(true, milliseconds);
         for (std::size_t p = 0; p < phases.size(); ++p) {
             watch.look(phases[p].label);

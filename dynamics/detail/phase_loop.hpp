@@ -38,7 +38,7 @@ public:
     /// @return of how many parts a phase is, each of which is mostly one thread's.
     [[nodiscard]] static std::size_t part_count(const Executor& executor) noexcept;
 
-    /// Runs the phases in order. Results must not depend on how a phase is cut.
+    /// Runs the phases in order. Results must not depend on how a phase is cut. Denormals are 0 in them: what comes to rest goes on by ever smaller numbers.
     /// @param body  must not use the executor, and must not throw.
     /// @param milliseconds  by label; what passes is added, as the thread that comes in first sees it. Empty: nobody looks.
     void run(std::span<const Phase> phases, Executor& executor, Body body, std::span<double> milliseconds);

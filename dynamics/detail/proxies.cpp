@@ -101,11 +101,12 @@ bool stays(ProxySet& set, std::uint32_t i, const BodyArrays& bodies, const Motio
     const double chord = 2.0 * glm::length(dvec3{turn.x, turn.y, turn.z});  // of a point one metre from the centre
     const double reach = turning_reach(set, i);
     const double drift = glm::length(state.pose.position - anchor.position) + reach * chord;
-    const double way = (glm::length(state.velocity) + reach * glm::length(state.spin)) * motion.dt + pull_of(motion_of(bodies, proxy.body, motion));
-    if (!(drift + way <= anchor.room)) return false;
+    const double way = (glm::length(state.velocity) + reach * glm::length(state.spin)) * motion.dt;
+    if (!(drift + way <= anchor.room && pull_of(motion_of(bodies, proxy.body, motion)) <= anchor.pull)) return false;
     set.poses[i] = state.pose * proxy.local;
     set.drift[i] = drift;
-    set.motion[i] = anchor.room + drift;
+    set.stay[i] = anchor.room + drift;
+    set.motion[i] = set.stay[i] + anchor.pull;
     return true;
 }
 
@@ -165,6 +166,7 @@ void put_proxy(ProxySet& set, Proxy proxy, const ProxyFilter& filter) {
         set.anchors.resize(size);
         set.calm.resize(size, 0);
         set.drift.resize(size, 0.0);
+        set.stay.resize(size, 0.0);
     }
     const bool bounded = is_bounded(proxy.shape);
     if (!bounded) set.planes.insert(std::lower_bound(set.planes.begin(), set.planes.end(), slot), slot);
@@ -231,7 +233,8 @@ void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& 
             const double pull = pull_of(motion_of(bodies, proxy.body, motion));
             const double room = calm_share > 0.0 && !is_static ? room_for(set, i, state, calm_share, motion.dt) : -1.0;
             const bool calms = room > 0.0;
-            set.anchors[i] = calms ? Anchor{state.pose.position, state.pose.orientation, room + pull} : Anchor{};
+            set.anchors[i] = calms ? Anchor{state.pose.position, state.pose.orientation, room, pull} : Anchor{};
+            set.stay[i] = calms ? room : 0.0;
             const Box* const box = std::get_if<Box>(&proxy.shape);
             if (box == nullptr || is_static) {
                 sweep_one(set, i, state, is_static, motion.dt, calms ? room + pull : play(proxy, state, pull, motion.dt));
@@ -266,10 +269,10 @@ namespace {
 void list_candidates_of(const ProxySet& set, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt, std::uint32_t first,
                         std::uint32_t last, std::vector<NumberedPair>& out) {
     out.clear();
-    const auto is_slow = [&](std::uint32_t slot) { return set.calm[slot] != 0 || set.anchors[slot].room >= 0.0; };
     const auto list = [&](std::uint32_t a, std::uint32_t b, double motion) {
         const double closing = set.motion[a] + motion, most = kMarginShare * std::min(set.extents[a], set.extents[b]);
-        out.push_back({a, b, static_cast<float>(is_slow(a) && is_slow(b) ? closing : std::min(closing, most))});
+        const double stay = set.stay[a] + set.stay[b];  // until they are looked at again; the rest is of this step
+        out.push_back({a, b, static_cast<float>(stay + std::min(closing - stay, most))});
     };
     auto next = std::lower_bound(found.begin(), found.end(), first, [](const ProxyPair& pair, std::uint32_t slot) { return pair.a < slot; });
     for (std::uint32_t i = first; i < last; ++i) {

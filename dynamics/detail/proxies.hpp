@@ -80,6 +80,7 @@ struct Anchor {
     dvec3 position{0.0};
     dquat orientation = kIdentityRotation;
     double room = -1.0;  ///< [m]; negative: the box is of one step
+    double pull = 0.0;   ///< what forces may do in a step, beside the room [m]
 };
 
 /// What stands at a slot.
@@ -106,6 +107,7 @@ struct ProxySet {
     std::vector<Anchor> anchors;
     std::vector<unsigned char> calm;      ///< 1: the box is the one of the update before, and holds the shape through this step as well
     std::vector<double> drift;            ///< of what is calm: how far a point may have come from where it was at its anchor [m]; 0 of what lies still
+    std::vector<double> stay;             ///< of what has room: how far it may come before it is looked at again, less what forces do in a step; else 0 [m]
     std::vector<std::uint32_t> planes;    ///< slots of the unbounded ones, ascending: the side list
     std::vector<std::uint32_t> moved;     ///< slots whose boxes the last update made anew, ascending
     std::vector<std::uint32_t> removed;   ///< slots that the broadphase has to let go
@@ -159,7 +161,8 @@ using CandidateParts = std::vector<CandidatePart>;
 
 /// Joins the broadphase's pairs, sorted by (a, b), and the pairs with planes into one list, sorted by key: the candidates for the
 /// narrowphase, by slots. The margin is how far the two may close in the step, at most a quarter of the smaller shape's smallest
-/// extent: contacts predicted from farther away would stop bodies that only pass by.
+/// extent: contacts predicted from farther away would stop bodies that only pass by; and beside it what those that have room may move until they are
+/// looked at again.
 void list_candidates(const ProxySet& set, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt, Executor& executor,
                      CandidateParts& parts, std::vector<NumberedPair>& out);
 

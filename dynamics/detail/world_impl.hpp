@@ -221,6 +221,7 @@ struct World::Impl {
     std::vector<Manifold> found_anew;
     dynamics::ContactChanges contact_changes;
     bool contacts_hold = false;   // those of the last step, but for what its motion changed
+    bool contacts_held = false;   // so it was when this step began
     bool pairs_complete = false;  // the broadphase listed all
     std::vector<unsigned char> displaced;  // by slot: bodies that others than the contact solver put where they are
     bool set_aside = false, patched = false;  // in this step

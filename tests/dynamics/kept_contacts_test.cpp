@@ -147,6 +147,66 @@ TEST(KeptContacts, HaveTheSameBitsOnAllThreadsAndWidths) {
     }
 }
 
+// With so many points, bodies and contacts lie in parts, one for each thread, and share bundles with others. What is driven over the boxes makes contacts come and go.
+TEST(KeptContacts, HaveTheSameBitsInParts) {
+    const auto hashes = [](Executor* executor) {
+        Table table({.executor = executor, .plan = PlanMode::Everything, .contact_method = ContactMethod::Soft});
+        for (int i = 0; i < 400; ++i) table.add({.position = {2.0 * (i % 20), 0.5, 2.0 * (i / 20)}}, Box{{0.5f, 0.5f, 0.5f}});
+        std::vector<BodyId> carts;
+        for (int j = 0; j < 20; ++j) {
+            carts.push_back(table.add({.type = BodyType::Kinematic, .position = {-2.0 + 0.1 * j, 1.2005, 2.0 * j}}, Box{{0.6f, 0.2f, 0.4f}}, {.friction = 0.3f}));
+        }
+        std::vector<std::uint64_t> out;
+        for (int i = 0; i < 440; ++i) {
+            for (int j = 0; j < 20; ++j) {
+                const double x = table.world.pose(carts[static_cast<std::size_t>(j)]).position.x, speed = 6.0 + 0.2 * j;
+                if (i == 0 || x < -2.0 || x > 40.0) table.world.set_linear_velocity(carts[static_cast<std::size_t>(j)], {x > 40.0 ? -speed : speed, 0, 0});
+            }
+            table.run(1);
+            out.push_back(table.world.state_hash());
+        }
+        return out;
+    };
+    const std::vector<std::uint64_t> expected = hashes(nullptr);
+    for (const int threads : {2, 8}) {
+        OddExecutor executor(threads, [](std::size_t count, const Executor::Body& body) {
+            for (std::size_t i = count; i-- > 0;) body(i, i + 1);
+        });
+        EXPECT_EQ(hashes(&executor), expected) << threads;
+    }
+}
+
+// A body at rest that is pushed hard is no slow one: contacts are predicted for what it may do in a step, and not farther than its size allows.
+TEST(KeptContacts, APushSendsNothingAgainstWhatItPasses) {
+    for (const double speed : {20.0, 200.0}) {
+        World world({.gravity = {0, 0, 0}, .continuous = {.enabled = false}});
+        const BodyId block = world.create_body({.type = BodyType::Static, .position = {-0.5, -0.5, 0}});
+        world.add_shape(block, Box{{0.5f, 0.5f, 0.5f}});
+        const BodyId ball = world.create_body({.position = {0.2, 0.2, 0}});
+        world.add_shape(ball, Sphere{0.1f});
+        for (int i = 0; i < 3; ++i) world.step(kDt);
+        const double mass = world.mass_properties(ball).mass;
+        world.apply_force(ball, {-speed * mass / kDt, 0, 0}, world.center_of_mass(ball));
+        for (int i = 0; i < 3; ++i) world.step(kDt);
+        EXPECT_LT(glm::length(world.linear_velocity(ball) - dvec3{-speed, 0, 0}), 1e-9 * speed);
+    }
+}
+
+// Gravity moves them by more than their size in a step, whether they have room or not.
+TEST(KeptContacts, GrainsHaveNoMoreContactsThanWithoutThem) {
+    const auto most_of = [](double reuse) {
+        Table table({.contact_reuse = reuse, .contact_method = ContactMethod::Soft});
+        constexpr float kSize = 1e-3f;
+        for (int i = 0; i < 64; ++i) {
+            table.add({.position = 1.1 * static_cast<double>(kSize) * dvec3{i % 4, 0.5 + i / 16, (i / 4) % 4}}, Box{vec3{0.5f * kSize}});
+        }
+        std::size_t most = 0;
+        for (int i = 0; i < 30; ++i) most = std::max(most, table.world.step(kDt).manifolds);
+        return static_cast<double>(most);
+    };
+    EXPECT_LE(most_of(1e-2), 1.1 * most_of(0.0));
+}
+
 // Boxes in a row close in on each other: contacts come one by one, and each finds a lane in which neither of its bodies is.
 TEST(KeptContacts, NewOnesComeWhileTheOthersAreKept) {
     const auto run = [](int width) {
@@ -210,6 +270,7 @@ TEST(KeptContacts, WhateverHappensIsSeenAtOnce) {
         {"a bullet comes", [](Rest& r) { r.table.add({.position = {-5, 1.5, 0}, .linear_velocity = {400, 0, 0}}, Sphere{0.1f}, {.density = 8000.0}); }, 0.5},
         {"a joint comes", [](Rest& r) { r.table.world.create_joint(BallJointDef{.body_a = r.box, .anchor_a = {0, 0.5, 0}, .anchor_b = {0, 2, 0}}); }, 0.0},
         {"a wing comes", [](Rest& r) { r.table.world.add_shape(r.box, Box{{0.2f, 0.2f, 0.2f}}, {.density = 9000.0, .local = {{2.0, 0, 0}, kIdentityRotation}}); }, 0.2},
+        {"a body without shapes comes", [](Rest& r) { r.table.world.create_body({.type = BodyType::Kinematic}); }, 0.0},
         {"the step is shorter", [](Rest& r) { for (int i = 0; i < 30; ++i) r.table.world.step(kDt / 2); }, 0.0},
     };
     for (const Event& event : events) {
