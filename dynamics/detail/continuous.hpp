@@ -136,7 +136,7 @@ private:
     void list_strays(const ContinuousScene& scene);
     /// Of a stray, or of what has become one.
     void note_way(std::uint32_t slot, const BodyPath& path);
-    [[nodiscard]] bool may_stray(const ContinuousScene& scene, std::uint32_t slot) const;
+    [[nodiscard]] bool goes_astray(const ContinuousScene& scene, std::uint32_t slot) const;
 
     std::uint32_t mover_of(const ContinuousScene& scene, std::uint32_t slot);
     void lay_path(const ContinuousScene& scene, Mover& mover) const;
