@@ -202,12 +202,16 @@ private:
         // Points and normal of round shapes are right to the root of the tolerance.
         const Proximity p = find_proximity(cores, {.tolerance = 1e-11}, closest_);
         // Round shapes that all but touch have no closest points; what parted them last still may.
-        now.part_by(p.normal != dvec3{0.0} ? p.normal : last_);
-        last_ = now.normal;
+        if (p.normal != dvec3{0.0}) last_ = p.normal;
         const dvec3 way = p.on_a - p.on_b;
         const double length = glm::length(way);
-        found.touch = p.on_b + pair_.b.radius * (length > 16.0 * rounding_ ? way / length : -now.normal);
+        found.touch = p.on_b + pair_.b.radius * (length > 16.0 * rounding_ ? way / length : -last_);
         found.upper = p.upper - (pair_.a.radius + pair_.b.radius);
+        if (t_ > 0.0 && found.upper - separation_ <= near_) {
+            now.normal = last_;  // there it ends, whatever the gap
+        } else {
+            now.part_by(last_);
+        }
     }
 
     const MovingPair& pair_;
