@@ -51,7 +51,8 @@ bool is_beyond(const Aabb& box, const dvec3& origin, const FloatAabb& known) noe
 }
 
 FloatAabb box_about(const SweepPath& path) noexcept {
-    constexpr double kRounding = 0x1p-22;  // of the sum of what goes into a coordinate: that to float, and far more than all of walk and test
+    constexpr double kRounding =
+        0x1p-22;  // of the sum of what goes into a coordinate: that to float, and far more than all of walk and test
     constexpr double kHuge = 1e300, kLeast{std::numeric_limits<float>::min()}, kMost{std::numeric_limits<float>::max()};
     const auto rounded = [kMost](double x) { return static_cast<float>(std::clamp(x, -kMost, kMost)); };
     FloatAabb box;
