@@ -139,6 +139,7 @@ CollideStatus look_inside(const PairFrame& pair, const LeaderLimits& limits, Wor
 CollideStatus mesh_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
     const TriangleMesh &a = *as<TriangleMeshPtr>(pair.first), &b = *as<TriangleMeshPtr>(pair.second);
     if (shows_back(pair, a, b)) return CollideStatus::Ok;
+    if (a.solid() && b.solid()) return hull_hull(pair, *a.solid(), *b.solid(), workspace, sink);
     MeshContact& contact = workspace.meshes;
     const double smaller = std::min(box_of(a).diagonal, box_of(b).diagonal);
     LeaderLimits limits;

@@ -19,6 +19,7 @@ namespace carom {
 namespace {
 
 using namespace test;
+using oracle::seeded_surface_of;
 using oracle::surface_of;
 
 TriangleMeshPtr flat_ground() {
@@ -119,7 +120,8 @@ TEST(MeshMesh, SurfacesOfHullsAreAsFarAsTheHulls) {
     int near = 0, shallow = 0, agree = 0;
     for (int i = 0; i < 2500; ++i) {
         const ConvexHullPtr p = random_hull(r, 16, 0.4, 0.8), q = random_hull(r, 24, 0.3, 0.6);
-        const Shape solid_p = p, solid_q = q, surface_p = surface_of(*p), surface_q = surface_of(*q);
+        // Of the second kind contacts are those of triangles.
+        const Shape solid_p = p, solid_q = q, surface_p = surface_of(*p), surface_q = i % 2 == 0 ? surface_of(*q) : seeded_surface_of(*q);
         const Pose pose{random_direction(r) * r.range(0.5, 1.4), random_rotation(r)};
         const std::vector<Manifold> s = collide_all(solid_p, pose, solid_q, {}, 0.1f), m = collide_all(surface_p, pose, surface_q, {}, 0.1f);
         if (s.empty()) {
@@ -150,7 +152,9 @@ TEST(MeshMesh, SurfacesOfHullsAreAsFarAsTheHulls) {
 }
 
 TEST(MeshMesh, InsideOfAClosedMeshIsLedOutAndSaidToBeUndecided) {
-    const Shape outer = box_mesh({1.0f, 1.0f, 1.0f}, 3), inner = box_mesh({0.1f, 0.1f, 0.1f}, 1);
+    // Beside the outer one stands another box, so that together they are no convex solid.
+    const TriangleMeshPtr large = box_mesh({1.0f, 1.0f, 1.0f}, 3), small = box_mesh({0.1f, 0.1f, 0.1f}, 1);
+    const Shape outer = joined({{large}, {small, {2.0f, 0.0f, 0.0f}}}), inner = small;
     std::vector<Manifold> out;
     const ShapePair pair{&inner, &outer, {{0.3, 0.1, 0.05}}, {}, 0.01f};
     EXPECT_EQ(collide(pair, 0, out), CollideStatus::Undecided);
