@@ -140,8 +140,7 @@ Nearest nearest_of_mesh_to_plane(const Placed& mesh, const Placed& plane) {
 }
 
 /// Looks at the triangles near one part, farther and farther out until one is nearer than what was looked at.
-void look_at_triangles(const Part& part, const Placed& mesh, double reach, const std::vector<Manifold>& manifolds, bool swapped,
-                       Nearest& best) {
+void look_at_triangles(const Part& part, const Placed& mesh, double reach, const std::vector<Manifold>& manifolds, bool swapped, Nearest& best) {
     const TriangleMesh& triangles = *std::get<TriangleMeshPtr>(mesh.shape);
     const dvec3 middle = (0.5 * (part.piece.box.lower + part.piece.box.upper) - mesh.origin) * mesh.axes;
     const double radius = 0.5 * glm::length(part.piece.box.upper - part.piece.box.lower);
@@ -168,8 +167,7 @@ void look_at_triangles(const Part& part, const Placed& mesh, double reach, const
             best = {true, std::move(finding), part.number, 0, t, part.piece, std::move(triangle), is_back};
             return true;
         });
-        const bool all =
-            glm::all(glm::lessThanEqual(around.lower, whole.lower)) && glm::all(glm::greaterThanEqual(around.upper, whole.upper));
+        const bool all = glm::all(glm::lessThanEqual(around.lower, whole.lower)) && glm::all(glm::greaterThanEqual(around.upper, whole.upper));
         if (all || (best.found && (is_behind || !best.back_face) && best.finding.axis.gap <= r)) return;
     }
 }
@@ -246,8 +244,7 @@ std::optional<FacePatch> patch_of(const Nearest& nearest, const Manifold& manifo
 }
 
 /// What collide() has to have said of the pieces that come nearest.
-std::string disagreement_of(const ShapePair& pair, const Nearest& nearest, CollideStatus status, const Manifold* deepest_one,
-                            float separation) {
+std::string disagreement_of(const ShapePair& pair, const Nearest& nearest, CollideStatus status, const Manifold* deepest_one, float separation) {
     if (nearest.back_face) return deepest_one == nullptr ? "" : "contacts are reported although the mesh is one-sided and shows its back";
     const ShapeType type_a = type_of(*pair.a), type_b = type_of(*pair.b);
     const bool smooth = nearest.a.turned.has_value() || nearest.b.turned.has_value();
@@ -258,8 +255,7 @@ std::string disagreement_of(const ShapePair& pair, const Nearest& nearest, Colli
     const bool boxes = type_a == ShapeType::Box && type_b == ShapeType::Box;
     const double gap = boxes ? nearest.finding.sat_gap.value_or(nearest.finding.axis.gap) : nearest.finding.axis.gap;
     const double margin = static_cast<double>(pair.margin);
-    if (deepest_one != nullptr && gap > margin + tolerance)
-        return "contacts are reported although the two are farther apart than the margin";
+    if (deepest_one != nullptr && gap > margin + tolerance) return "contacts are reported although the two are farther apart than the margin";
     if (deepest_one == nullptr && gap < margin - tolerance) return "no contact is reported although the two are nearer than the margin";
     const bool of_mesh = !nearest.of_solid && (type_a == ShapeType::TriangleMesh || type_b == ShapeType::TriangleMesh);
     if (deepest_one == nullptr || of_mesh || status != CollideStatus::Ok) return "";
@@ -316,42 +312,30 @@ PairExplanation explain(const ShapePair& pair) {
 
 const char* to_string(PairVerdict verdict) noexcept {
     switch (verdict) {
-        case PairVerdict::Apart:
-            return "apart";
-        case PairVerdict::Touching:
-            return "touching";
-        case PairVerdict::Undecided:
-            return "undecided";
+        case PairVerdict::Apart: return "apart";
+        case PairVerdict::Touching: return "touching";
+        case PairVerdict::Undecided: return "undecided";
     }
     return "unknown";
 }
 
 const char* to_string(SupportKind kind) noexcept {
     switch (kind) {
-        case SupportKind::Corner:
-            return "corner";
-        case SupportKind::Edge:
-            return "edge";
-        case SupportKind::Face:
-            return "face";
-        case SupportKind::Round:
-            return "round";
+        case SupportKind::Corner: return "corner";
+        case SupportKind::Edge: return "edge";
+        case SupportKind::Face: return "face";
+        case SupportKind::Round: return "round";
     }
     return "unknown";
 }
 
 const char* to_string(AxisSource source) noexcept {
     switch (source) {
-        case AxisSource::FaceOfA:
-            return "face of A";
-        case AxisSource::FaceOfB:
-            return "face of B";
-        case AxisSource::Edges:
-            return "edges";
-        case AxisSource::Points:
-            return "points";
-        case AxisSource::Contact:
-            return "contact";
+        case AxisSource::FaceOfA: return "face of A";
+        case AxisSource::FaceOfB: return "face of B";
+        case AxisSource::Edges: return "edges";
+        case AxisSource::Points: return "points";
+        case AxisSource::Contact: return "contact";
     }
     return "unknown";
 }

@@ -184,6 +184,14 @@ bool touches_back(const PairFrame& pair, const MeshSurface& surface, const dvec3
     return mesh.is_one_sided() && !surface.patches.empty() && is_behind(mesh, pair.to_second(centre));
 }
 
+// Whether the shape does not meet the triangle, or touches it.
+template <class Probe>
+bool is_free(const Probe& probe, const Corners& corners, Workspace& workspace) {
+    ContactAxis axis;
+    if (!load_triangle(workspace.second, corners) || !probe.axis(workspace.second, 0.0, workspace, axis)) return true;
+    return axis.separation - probe.radius() >= -kPointTolerance * probe.size();
+}
+
 // The solid in whose place the mesh stands, if any (detail/solid_mesh.hpp).
 template <class Probe>
 const ConvexHull* solid_of(const PairFrame& pair, const Probe& probe) {
@@ -213,6 +221,10 @@ void touch_surface(const PairFrame& pair, const Probe& probe, const Aabb& bounds
         contact.triangle = t.index;
         if (touch_triangle(probe, surface, pair.margin, workspace, contact, way_out)) surface.patches.push_back(contact);
     }
+    surface.drop_spared(kPointTolerance * probe.size(), [&](const Corners& corners, const dvec3& motion) {
+        const Corners moved{corners[0] + motion, corners[1] + motion, corners[2] + motion};
+        return is_free(probe, moved, workspace);
+    });
     surface.drop_runaways(kPointTolerance * probe.size());
     if (way_out.found && !surface.touches()) surface.patches.push_back(patch_of(probe, way_out));
     if (touches_back(pair, surface, probe.centre)) return;

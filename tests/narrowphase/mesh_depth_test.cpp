@@ -111,6 +111,46 @@ TEST(MeshDepth, ALittleWayInABallItIsThatOfTheSolid) {
     EXPECT_LT(deeper, kPairs / 10);
 }
 
+// Deep in a surface each triangle has a way out of its own; what counts is the shortest after which the shape is free of all.
+TEST(MeshDepth, DeepInABallItIsThatOfTheSolid) {
+    Random r(78);
+    double sum = 0.0;
+    int deep = 0, wrong = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const ConvexHullPtr hull = random_hull(r, 32, 0.4, 0.9);
+        const Shape solid = hull, surface = seeded_surface_of(*hull), other = random_hull(r, 24, 0.3, 0.8);
+        Pose at{random_direction(r) * r.range(1.2, 1.6), random_rotation(r)};
+        const std::vector<Manifold> apart = collide_all(other, at, solid, {}, 2.0f);
+        ASSERT_EQ(apart.size(), 1u);
+        at.position += (static_cast<double>(least_separation(apart[0])) + r.range(0.01, 0.15)) * dvec3(apart[0].normal);
+        const std::vector<Manifold> s = collide_all(other, at, solid, {}, 0.0f), m = collide_all(other, at, surface, {}, 0.0f);
+        if (s.empty()) continue;
+        ASSERT_FALSE(m.empty()) << i;
+        const double error = static_cast<double>(least_separation(s[0])) - static_cast<double>(least_separation(m[0]));
+        EXPECT_GT(error, -2e-6) << i << ": never shallower";
+        ++deep;
+        sum += std::abs(error);
+        wrong += error > 1e-3 ? 1 : 0;
+    }
+    EXPECT_GT(deep, 1900);
+    EXPECT_LT(sum / deep, 3e-4);   // 1.6e-3 where each triangle speaks for itself
+    EXPECT_LT(wrong, deep / 40);  // a seventh
+}
+
+// Each wall of a valley is in the way of the other's way out: both push.
+TEST(MeshDepth, DeepInAValleyBothWallsPush) {
+    const Shape valley = ground_of(64, [](double x, double) { return std::abs(x); }), box = Box{{0.3f, 0.3f, 0.3f}};
+    const dquat turn = about({0, 0, 1}, 0.25 * kPi);
+    const double drop = 0.1;  // below where its lower edge lies in the bottom
+    const std::vector<Manifold> m = collide_all(box, {{0.0, 0.3 * std::sqrt(2.0) - drop, 0.0}, turn}, valley, {}, 0.0f);
+    ASSERT_EQ(m.size(), 2u);
+    for (const Manifold& x : m) {
+        EXPECT_NEAR(least_separation(x), -static_cast<float>(drop / std::sqrt(2.0)), 1e-5f);
+        EXPECT_NEAR(std::abs(x.normal.x), std::sqrt(0.5f), 1e-4f);
+    }
+    EXPECT_NEAR(m[0].normal.x + m[1].normal.x, 0.0f, 1e-4f);
+}
+
 // Both judged without the kernels of meshes: explain() looks at each triangle by itself.
 void expect_reported(const Shape& shape, const Pose& at, const Shape& mesh, int i) {
     const PairExplanation why = explain({&shape, &mesh, at, {}, 0.1f});
