@@ -179,6 +179,7 @@ void World::Impl::solve_contacts(dynamics::Step& step, double dt) {
         run();
         step.run(Stage::Joints, work);
     };
+    const int relaxations = def.relax ? solver.relaxations() : 0;
     for (int k = 0; k < def.substeps; ++k) {
         solver.list_velocities(k == 0 ? dynamics::WarmStart::First : dynamics::WarmStart::Again);
         if (k == 0) solver.list_warm_start();
@@ -186,7 +187,7 @@ void World::Impl::solve_contacts(dynamics::Step& step, double dt) {
         solver.list_pass(true);
         if (joined) joints_do([&] { joint_solver.solve(solver, k, threads()); });
         solver.list_positions();
-        if (def.relax) solver.list_pass(false);
+        for (int pass = 0; pass < relaxations; ++pass) solver.list_pass(false);
         if (joined && def.relax) joints_do([&] { joint_solver.relax(solver, k, threads()); });
     }
     run();

@@ -25,10 +25,10 @@ struct alignas(64) SolverBody {
     float turn[4] = {0, 0, 0, 1};        ///< change of orientation, quaternion x y z w
 };
 
-/// Inverse mass and inverse inertia in world axes, constant over the step.
+/// Inverse mass and inverse inertia in world axes, constant over the step but for bodies that turn fast (turning_rows.hpp).
 struct alignas(32) SolverMass {
     float diagonal[4] = {};  ///< Ixx Iyy Izz and the inverse mass
-    float others[4] = {};    ///< Ixy Ixz Iyz, unused
+    float others[4] = {};    ///< Ixy Ixz Iyz, and the square of the spin that is fast [rad²/s²]
 };
 
 /// What a substep starts from, before any impulse of its contacts, and the kick that each brings.

@@ -40,6 +40,9 @@ struct PrepareInput {
 /// impulses to start from along the tangents.
 void prepare_bundles(std::span<ContactBundle> bundles, const PrepareInput& input);
 
+/// Effective masses anew, of bundles with a row that is 1 in `changed`: the inverse inertias of these have changed.
+void renew_masses(std::span<ContactBundle> bundles, const SolverBodies& bodies, std::span<const unsigned char> changed);
+
 /// Writes the accumulated impulses of all lanes to their contacts.
 void store_impulses(std::span<const ContactBundle> bundles, std::span<ManifoldImpulses> impulses);
 

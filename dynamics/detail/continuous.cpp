@@ -13,6 +13,7 @@ namespace {
 
 // By how much a piece of a path may bend: shares of the smallest extent, and of the reach.
 constexpr double kBendShare = 0.01, kReachShare = 2e-4;
+constexpr double kTolerance = 1e-4;  // of the energy of a free rotation
 
 constexpr std::size_t kSlotGrain = 256;
 
@@ -200,9 +201,16 @@ BodyState Continuous::state_at(const ContinuousScene& scene, const Mover& mover,
     if (has_mass(scene.bodies.roles[mover.slot]) && is_slender(mass)) {
         return slender_before(state, mass, pose_at(mover.path.piece(BodyPath::kWhole), t), (1.0 - t) * scene.dt);
     }
-    const dvec3 spin = rotate_inverse(state.pose.orientation, state.spin);  // in the body, with which it turns
+    const dquat end = state.pose.orientation;
     state.pose = pose_at(mover.path.piece(BodyPath::kWhole), t);
-    state.spin = rotate(state.pose.orientation, spin);
+    if (!has_mass(scene.bodies.roles[mover.slot]) || (mass.locked & kLockedTurns) != 0) {
+        state.spin = rotate(state.pose.orientation, rotate_inverse(end, state.spin));  // in the body, with which it turns
+    } else if (mass.inertia != InertiaClass::Isotropic) {
+        // What it was if the body turned freely since. Carried to the attitude that it had it keeps the energy, and the angular momentum but for what contacts turned.
+        Rotation then{end, state.spin};
+        rotate_free(then, mass, (t - 1.0) * scene.dt, {.tolerance = kTolerance});
+        state.spin = rotate(state.pose.orientation, rotate_inverse(then.orientation, then.spin));
+    }
     return state;
 }
 

@@ -95,6 +95,7 @@ struct ProxySet {
     std::vector<unsigned char> listed;    ///< 1: the broadphase has a box of this slot
     std::vector<std::uint32_t> versions;  ///< how many proxies have stood there
     std::vector<unsigned char> boxlike;   ///< 1: a box, whose contacts with others are found anew as fast as they are carried along
+    std::vector<std::uint32_t> rollers;   ///< slots of capsules, cylinders and cones about an axis through the centre of mass that are all their body has; as of the last update
     std::vector<std::uint32_t> planes;    ///< slots of the unbounded ones, ascending: the side list
     std::vector<std::uint32_t> moved;     ///< slots whose boxes the last update made anew, ascending
     std::vector<std::uint32_t> removed;   ///< slots that the broadphase has to let go
