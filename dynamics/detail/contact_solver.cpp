@@ -2,6 +2,7 @@
 
 #include <carom/dynamics/detail/body_kernels.hpp>
 #include <carom/dynamics/detail/integrator.hpp>
+#include <carom/dynamics/detail/room.hpp>
 
 #include <algorithm>
 #include <array>
@@ -305,6 +306,14 @@ void ContactSolver::store(BodyArrays& bodies, ContactSet& contacts, Executor& ex
     });
     slender_.store(bodies);
     for_bundles(executor, [&](std::span<ContactBundle> some) { store_impulses(some, contacts.impulses); });
+}
+
+void ContactSolver::trim() {
+    trim_scratch(bundles_);
+    trim_scratch(manifold_rows_);
+    trim_scratch(contact_rows_);
+    trim_scratch(kinds_);
+    trim_scratch(lane_order_);
 }
 
 }  // namespace carom::dynamics

@@ -66,6 +66,9 @@ public:
     /// Writes the bodies' new states and the contacts' impulses back.
     void store(BodyArrays& bodies, ContactSet& contacts, Executor& executor);
 
+    /// Gives memory back where much more is held than the last step needed (room.hpp).
+    void trim();
+
     /// @return whether any contact holds the body in `slot` in this step: it is the solver's, not the free integrator's.
     [[nodiscard]] bool holds(std::uint32_t slot) const noexcept { return row_of_slot_[slot] != kNoRow; }
     [[nodiscard]] std::size_t overflow_count() const noexcept { return coloring_.overflow_count(); }
