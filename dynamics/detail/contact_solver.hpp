@@ -100,6 +100,8 @@ private:
     void sort_by_points();
     [[nodiscard]] std::uint8_t kind_of(const ManifoldRow& row) const;
     void lay_out_bundles();
+    /// Gives each bundle as many points as one of its lanes has.
+    void deal_out_points();
     void fill_lanes(ContactBundle& bundle) const;
     /// Calls `work` for all bundles, some at a time, from several threads.
     void for_bundles(Executor& executor, FunctionRef<void(std::span<ContactBundle> some)> work);
@@ -141,6 +143,7 @@ private:
     std::vector<Color> colors_;
     std::vector<Lanes> lanes_;                 // of each bundle
     std::vector<ContactBundle> bundles_;
+    std::vector<PointLanes> points_;           // of the bundles, in their order
     std::uint32_t first_overflow_bundle_ = 0;  // these are solved one after the other
     std::size_t deep_count_ = 0;
     std::size_t point_count_ = 0;
