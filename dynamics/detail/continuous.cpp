@@ -177,6 +177,7 @@ void Continuous::list_strays(const ContinuousScene& scene) {
     list_marked(is_stray_, strays_);
     number_of_stray_.assign(is_stray_.size(), kNone);
     stray_boxes_.clear();
+    stray_groups_.clear();
     for (const std::uint32_t slot : strays_) note_way(slot, movers_[mover_of(scene, slot)].path);
 }
 
@@ -292,7 +293,11 @@ void Continuous::note_way(std::uint32_t slot, const BodyPath& path) {
         number = static_cast<std::uint32_t>(stray_boxes_.size());
         stray_boxes_.emplace_back();
     }
-    stray_boxes_[number] = path.box(sizes_[slot].reach);
+    const Aabb box = path.box(sizes_[slot].reach);
+    stray_boxes_[number] = box;
+    const std::size_t group = number / kStrayGroup;
+    if (group == stray_groups_.size()) stray_groups_.push_back(box);
+    stray_groups_[group] = merge(stray_groups_[group], box);
 }
 
 void Continuous::for_each_near(const ContinuousScene& scene, const Mover& mover, std::uint32_t proxy, Ask ask, FunctionRef<void(std::uint32_t q)> visit) {
@@ -315,6 +320,10 @@ void Continuous::for_each_near(const ContinuousScene& scene, const Mover& mover,
     for (const std::uint32_t plane : scene.proxies.planes) see(plane);
     const Aabb box = box_of(way, reach);
     for (std::size_t k = 0; k < strays_.size(); ++k) {  // visits may add some
+        if (k % kStrayGroup == 0 && !overlaps(box, stray_groups_[k / kStrayGroup])) {
+            k += kStrayGroup - 1;
+            continue;
+        }
         const std::uint32_t slot = strays_[k];
         if (!overlaps(box, stray_boxes_[k]) || slot == mover.slot) continue;
         for (std::uint32_t i = first_proxy_[slot]; i < first_proxy_[slot + 1]; ++i) see(proxies_[i]);

@@ -185,6 +185,8 @@ private:
     std::vector<unsigned char> is_fast_;       // by slot
     std::vector<std::uint32_t> strays_;        // slots
     std::vector<Aabb> stray_boxes_;            // that their ways lie in
+    static constexpr std::size_t kStrayGroup = 16;  // those of neighbouring slots, which mostly are near each other
+    std::vector<Aabb> stray_groups_;           // about the ways of so many, and what they were before
     std::vector<std::uint32_t> number_of_stray_;  // by slot: in these
     std::vector<unsigned char> is_stray_;      // by slot
     std::vector<std::uint32_t> mover_of_slot_;
