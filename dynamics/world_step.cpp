@@ -1,6 +1,7 @@
 // The step, on one page. docs/step.md explains each stage.
 #include <carom/core/check.hpp>
 #include <carom/dynamics/detail/integrator.hpp>
+#include <carom/dynamics/detail/room.hpp>
 #include <carom/dynamics/detail/step.hpp>
 #include <carom/dynamics/detail/world_impl.hpp>
 
@@ -134,6 +135,25 @@ void World::Impl::quarantine_unusable(double dt, StepReport& report) {
     }
 }
 
+// What this step takes over of the contacts that the last one left.
+void World::Impl::keep_contacts(dynamics::Step& step, bool looks) {
+    if (!looks) return previous.clear();
+    step.run(Stage::Collide, [&] { previous.take(contacts, threads()); });
+    if (names.now.empty()) return last_manifolds.clear();  // no pair of this step will be told from one of the last
+    std::swap(contacts.manifolds, last_manifolds);
+}
+
+// What lists of a step hold beyond what it needed.
+void World::Impl::trim_lists() {
+    contacts.trim();
+    previous.trim();
+    dynamics::trim_kept(last_manifolds);
+    dynamics::trim_kept(candidates);
+    dynamics::trim_kept(names.now);
+    dynamics::trim_scratch(names.before);
+    solver.trim();
+}
+
 // Who touches whom, with the impulses of the step before.
 void World::Impl::find_contacts(dynamics::Step& step, const dynamics::Motion& motion) {
     bool reuses = false;  // contacts of the step before
@@ -160,7 +180,7 @@ void World::Impl::find_contacts(dynamics::Step& step, const dynamics::Motion& mo
         const PlacedShapes placed{proxies.shapes, proxies.poses};
         std::vector<Manifold>& found = contacts.manifolds;
         const CollideCounts counts =
-            reuses ? collide(placed, candidates, previous.manifolds, threads(), collide_scratch, found)
+            reuses ? collide(placed, candidates, last_manifolds, threads(), collide_scratch, found)
                    : collide(placed, candidates, threads(), collide_scratch, found);
         step.report.undecided = counts.undecided;
         step.report.reused = counts.reused;
@@ -224,7 +244,7 @@ StepReport World::Impl::take_step(const World& world, double dt) {
     const dynamics::Motion motion{w.def.gravity, dt};
     const Balance before = w.def.report_balance ? balance_of(world) : Balance{};
     if (w.def.report_residual) w.residual.remember(w.arrays);
-    std::swap(w.contacts, w.previous);
+    w.keep_contacts(step, choices.contacts);
     if (!choices.contacts) {  // otherwise each part is replaced below
         w.contacts.clear();
         w.names.now.clear();
@@ -276,6 +296,7 @@ StepReport World::Impl::take_step(const World& world, double dt) {
     w.last_substep = dt / w.def.substeps;
     w.looked_for_contacts = choices.contacts;
     step.report.step = ++w.steps;
+    if (w.steps % dynamics::kTrimEvery == 0) w.trim_lists();
     if (!step.report.quarantined.empty()) step.report.residual.reset();
     if (w.def.report_balance && step.report.quarantined.empty()) step.report.balance = balance_of(world) - before;
     return step.finish();

@@ -20,6 +20,7 @@ struct ContactPair {
     BodyId body_a, body_b;
     std::uint32_t proxy_a = 0, proxy_b = 0;  ///< slots of the shapes
     std::uint32_t first_manifold = 0, manifold_count = 0;
+    std::uint32_t point_count = 0;           ///< of these manifolds together
     bool flies = false;  ///< the two bounce or pass, and nothing holds either: not the solver's (impacts.hpp)
 };
 
@@ -53,13 +54,17 @@ struct ContactSet {
         manifolds.clear();
         impulses.clear();
     }
+    /// Gives memory back where much more is held than needed (room.hpp).
+    void trim();
 };
+
+class CarriedContacts;
 
 /// Makes a pair of each candidate that has manifolds, by `make` and in their order, numbers the manifolds' pairs by it, and sums the manifolds
 /// up. Gives each point the impulses that the point of the same feature and the same pair had in `before`, times `scale` (the ratio of the
-/// substeps: forces stay, impulses do not); zero where it is new. Where several points share a feature, the n-th gets the n-th one's.
+/// substeps: forces stay, impulses do not); zero where it is new (carry_impulses() has the rule).
 /// In parts of fixed length: the same bits on every number of threads. Cost: linear in the two sets.
-void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t candidate)> make, const ContactSet& before, float scale,
+void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t candidate)> make, const CarriedContacts& before, float scale,
                     Executor& executor);
 
 }  // namespace carom::dynamics

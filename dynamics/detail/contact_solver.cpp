@@ -2,6 +2,7 @@
 
 #include <carom/dynamics/detail/body_kernels.hpp>
 #include <carom/dynamics/detail/integrator.hpp>
+#include <carom/dynamics/detail/room.hpp>
 
 #include <algorithm>
 #include <array>
@@ -271,6 +272,21 @@ void ContactSolver::lay_out_bundles() {
     }
     for (std::uint32_t i = 0; i < coloring_.overflow_count(); ++i)
         lanes_[first_overflow_bundle_ + i] = {starts.back() + i, starts.back() + i + 1};
+    deal_out_points();
+}
+
+void ContactSolver::deal_out_points() {
+    std::vector<std::uint32_t>& most = places_;  // of each bundle
+    most.assign(bundles_.size(), 0);
+    std::size_t sum = 0;
+    for (std::size_t b = 0; b < bundles_.size(); ++b) {
+        for (std::uint32_t i = lanes_[b].begin; i < lanes_[b].end; ++i)
+            most[b] = std::max(most[b], static_cast<std::uint32_t>(kMaxManifoldPoints - kinds_[lane_order_[i]] % kKinds));
+        sum += most[b];
+    }
+    points_.resize(sum);
+    PointLanes* next = points_.data();
+    for (std::size_t b = 0; b < bundles_.size(); ++b) next = (bundles_[b].points = next) + most[b];
 }
 
 void ContactSolver::fill_lanes(ContactBundle& bundle) const {
@@ -316,6 +332,15 @@ void ContactSolver::store(BodyArrays& bodies, ContactSet& contacts, Executor& ex
     slender_.store(bodies);
     turning_.store(bodies);
     for_bundles(executor, [&](std::span<ContactBundle> some) { store_impulses(some, contacts.impulses); });
+}
+
+void ContactSolver::trim() {
+    trim_scratch(bundles_);
+    trim_scratch(points_);
+    trim_scratch(manifold_rows_);
+    trim_scratch(contact_rows_);
+    trim_scratch(kinds_);
+    trim_scratch(lane_order_);
 }
 
 }  // namespace carom::dynamics

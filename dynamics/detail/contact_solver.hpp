@@ -68,6 +68,9 @@ public:
     /// Writes the bodies' new states and the contacts' impulses back.
     void store(BodyArrays& bodies, ContactSet& contacts, Executor& executor);
 
+    /// Gives memory back where much more is held than the last step needed (room.hpp).
+    void trim();
+
     /// @return whether any contact holds the body in `slot` in this step: it is the solver's, not the free integrator's.
     [[nodiscard]] bool holds(std::uint32_t slot) const noexcept { return row_of_slot_[slot] != kNoRow; }
     [[nodiscard]] std::size_t overflow_count() const noexcept { return coloring_.overflow_count(); }
@@ -102,6 +105,8 @@ private:
     void sort_by_points();
     [[nodiscard]] std::uint8_t kind_of(const ManifoldRow& row) const;
     void lay_out_bundles();
+    /// Gives each bundle as many points as one of its lanes has.
+    void deal_out_points();
     void fill_lanes(ContactBundle& bundle) const;
     /// Calls `work` for all bundles, some at a time, from several threads.
     void for_bundles(Executor& executor, FunctionRef<void(std::span<ContactBundle> some)> work);
@@ -150,6 +155,7 @@ private:
     std::vector<Color> colors_;
     std::vector<Lanes> lanes_;                 // of each bundle
     std::vector<ContactBundle> bundles_;
+    std::vector<PointLanes> points_;           // of the bundles, in their order
     std::uint32_t first_overflow_bundle_ = 0;  // these are solved one after the other
     std::size_t deep_count_ = 0;
     std::size_t point_count_ = 0;

@@ -307,11 +307,8 @@ bool Continuous::may_meet(const ContinuousScene& scene, std::uint32_t p, std::ui
 
 void Continuous::note_way(std::uint32_t slot, const BodyPath& path) {
     std::uint32_t& number = number_of_stray_[slot];
-    if (number == kNone) {
-        number = static_cast<std::uint32_t>(stray_boxes_.size());
-        stray_boxes_.emplace_back();
-    }
-    stray_boxes_[number] = path.box(sizes_[slot].reach);
+    if (number == kNone) number = static_cast<std::uint32_t>(stray_boxes_.size());
+    stray_boxes_.set(number, path.box(sizes_[slot].reach));
 }
 
 void Continuous::for_each_near(const ContinuousScene& scene, const Mover& mover, std::uint32_t proxy, Ask ask, FunctionRef<void(std::uint32_t q)> visit) {
@@ -333,11 +330,11 @@ void Continuous::for_each_near(const ContinuousScene& scene, const Mover& mover,
     if (ask == Ask::Everybody) query_swept_box(scene.broadphase, at - round, at + round, way.translation, see);
     for (const std::uint32_t plane : scene.proxies.planes) see(plane);
     const Aabb box = box_of(way, reach);
-    for (std::size_t k = 0; k < strays_.size(); ++k) {  // visits may add some
+    stray_boxes_.for_each_meeting(box, [&](std::size_t k) {  // visits may add some
         const std::uint32_t slot = strays_[k];
-        if (!overlaps(box, stray_boxes_[k]) || slot == mover.slot) continue;
+        if (slot == mover.slot) return;
         for (std::uint32_t i = first_proxy_[slot]; i < first_proxy_[slot + 1]; ++i) see(proxies_[i]);
-    }
+    });
 }
 
 }  // namespace carom::dynamics

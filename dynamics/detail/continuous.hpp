@@ -17,6 +17,7 @@
 #include <carom/dynamics/detail/body_path.hpp>
 #include <carom/dynamics/detail/body_sizes.hpp>
 #include <carom/dynamics/detail/first_touch.hpp>
+#include <carom/dynamics/detail/grouped_boxes.hpp>
 #include <carom/dynamics/detail/meeting.hpp>
 #include <carom/dynamics/detail/path_touch.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
@@ -184,7 +185,7 @@ private:
     std::vector<std::uint32_t> fast_;          // slots
     std::vector<unsigned char> is_fast_;       // by slot
     std::vector<std::uint32_t> strays_;        // slots
-    std::vector<Aabb> stray_boxes_;            // that their ways lie in
+    GroupedBoxes stray_boxes_;                 // that their ways lie in; bodies of neighbouring slots mostly are near each other
     std::vector<std::uint32_t> number_of_stray_;  // by slot: in these
     std::vector<unsigned char> is_stray_;      // by slot
     std::vector<std::uint32_t> mover_of_slot_;

@@ -114,7 +114,7 @@ void RollingRows::solve(SolverBodies& rows, std::span<const ContactBundle> bundl
     for (Row& row : rows_) {
         double load = 0.0;
         const ContactBundle& bundle = bundles[row.bundle];
-        for (const PointLanes& point : std::span{bundle.points}.first(static_cast<std::size_t>(bundle.point_count))) {
+        for (const PointLanes& point : std::span{bundle.points, static_cast<std::size_t>(bundle.point_count)}) {
             load += static_cast<double>(point.normal_impulse[row.lane]);
         }
         const dvec3 spin = spin_of(rows, row.b) - spin_of(rows, row.a);

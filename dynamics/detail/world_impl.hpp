@@ -3,6 +3,7 @@
 #pragma once
 
 #include <carom/core/slot_map.hpp>
+#include <carom/dynamics/detail/carried_contacts.hpp>
 #include <carom/dynamics/detail/cast_targets.hpp>
 #include <carom/dynamics/detail/contact_set.hpp>
 #include <carom/dynamics/detail/continuous.hpp>
@@ -177,6 +178,8 @@ struct World::Impl {
     /// What wakes by the contacts found in this step. @return whether anything does: the contacts must be found again.
     [[nodiscard]] bool wake_touched();
     void fall_asleep(double dt, StepReport& report);
+    void keep_contacts(dynamics::Step& step, bool looks);
+    void trim_lists();
     void find_contacts(dynamics::Step& step, const dynamics::Motion& motion);
     void solve_contacts(dynamics::Step& step, double dt);
     /// Follows what moved far.
@@ -210,7 +213,9 @@ struct World::Impl {
     dynamics::CandidateParts candidate_parts;
     dynamics::CandidateNames names;
     CollideScratch collide_scratch;
-    dynamics::ContactSet contacts, previous;
+    dynamics::ContactSet contacts;
+    dynamics::CarriedContacts previous;    // of the step before
+    std::vector<Manifold> last_manifolds;  // of the step before, where pairs of it may be carried along; else empty
     dynamics::Impacts impacts;
     dynamics::DirectIslands direct;
     dynamics::ResidualMeter residual;  // empty unless WorldDef::report_residual
