@@ -42,6 +42,9 @@ std::unique_ptr<detail::Method> make_method(BroadphaseMethod method, double cell
 
 }  // namespace
 
+/// What was found in a crowd is given back after so many updates.
+constexpr std::uint64_t kUpdatesATrim = 64;
+
 struct Broadphase::Impl {
     explicit Impl(const BroadphaseSettings& given) : settings(given) {}
 
@@ -209,6 +212,7 @@ const PairUpdate& Broadphase::update(const ProxyChanges& changes, Executor& exec
     CAROM_REQUIRE(fault == nullptr, ErrorCode::InvalidArgument, fault, w.result);
     w.intake.take_over(changes, w.settings.callback.wanted != nullptr, w.table, executor);
     w.choose();
+    if (w.result.number % kUpdatesATrim == kUpdatesATrim - 1 && w.set.trim()) w.pieces.drop();
     detail::ChangeLists lists = w.intake.lists();
     // A method may know which pairs end because boxes part, but not which are no longer wanted.
     lists.want_ended = !w.intake.filter_changed() && w.few_changed();

@@ -3,6 +3,7 @@
 #include <carom/broadphase/detail/overlap_kernel.hpp>
 
 #include <algorithm>
+#include <bit>
 
 namespace carom::detail {
 namespace {
@@ -64,6 +65,19 @@ public:
     void visit_near(const ProxyTable& table, const FloatAabb& box, FunctionRef<bool(std::uint32_t)> visit) const override {
         for (std::size_t slot = 0; slot < table.boxes.size(); ++slot) {
             if (overlaps(table.boxes[slot], box) && !visit(static_cast<std::uint32_t>(slot))) return;
+        }
+    }
+
+    void visit_along(const ProxyTable& table, const SweepPath& path, FunctionRef<bool(const FloatAabb&)> touches,
+                     FunctionRef<bool(std::uint32_t)> visit) const override {
+        const FloatAabb all = box_about(path);
+        for (std::size_t first = 0; first < count_; first += 64) {
+            for (std::uint64_t near = find_near(entries_, first, std::min<std::size_t>(first + 64, count_), all); near != 0;
+                 near &= near - 1) {
+                const std::uint32_t slot =
+                    static_cast<Tag>(entries_.tag[first + static_cast<std::size_t>(std::countr_zero(near))]) & kIndexMask;
+                if (touches(table.boxes[slot]) && !visit(slot)) return;
+            }
         }
     }
 

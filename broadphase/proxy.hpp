@@ -29,6 +29,10 @@ struct FloatAabb {
 /// exact arithmetic overlap here too.
 [[nodiscard]] FloatAabb round_outward(const Aabb& box, const dvec3& origin) noexcept;
 
+/// @return whether round_outward(box, origin) is beyond `known` on any side, in a third of the time.
+/// @param box  finite, and so is its distance from the origin.
+[[nodiscard]] bool is_beyond(const Aabb& box, const dvec3& origin, const FloatAabb& known) noexcept;
+
 /// A box of half size `grow` that moves from `origin` along `direction` for 0 <= t <= t_max; a ray where `grow` is zero. Finite.
 struct SweepPath {
     dvec3 origin{0.0};
@@ -36,6 +40,9 @@ struct SweepPath {
     double t_max = 0.0;
     dvec3 grow{0.0};
 };
+
+/// @return a box about all of the path, wide enough for what rounding does where it is met with a box: what lies beyond is not met.
+[[nodiscard]] FloatAabb box_about(const SweepPath& path) noexcept;
 
 /// Which of two proxies may meet: they are tested if each one's `layer` shares a bit with the other's `mask` and at
 /// least one of them is movable.

@@ -1,6 +1,8 @@
 #include <carom/broadphase/proxy.hpp>
 
+#include <algorithm>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <limits>
 
@@ -30,7 +32,38 @@ float difference_below(double a, double b) noexcept {
 
 float difference_above(double a, double b) noexcept { return -difference_below(-a, -b); }
 
+// Whether a - b < least in exact arithmetic, and so the largest float at most a - b is: a difference that rounds to something else is on the same side of it.
+bool is_difference_below(double a, double b, float least) noexcept {
+    const double s = a - b, bound{least};
+    if (s != bound) return s < bound;
+    const double t = s - a;
+    return (a - (s - t)) + (-b - t) < 0.0;
+}
+
 }  // namespace
+
+bool is_beyond(const Aabb& box, const dvec3& origin, const FloatAabb& known) noexcept {
+    for (int axis = 0; axis < 3; ++axis) {
+        if (is_difference_below(box.lower[axis], origin[axis], known.lower[axis])) return true;
+        if (is_difference_below(-box.upper[axis], -origin[axis], -known.upper[axis])) return true;
+    }
+    return false;
+}
+
+FloatAabb box_about(const SweepPath& path) noexcept {
+    constexpr double kRounding =
+        0x1p-22;  // of the sum of what goes into a coordinate: that to float, and far more than all of walk and test
+    constexpr double kHuge = 1e300, kLeast{std::numeric_limits<float>::min()}, kMost{std::numeric_limits<float>::max()};
+    const auto rounded = [kMost](double x) { return static_cast<float>(std::clamp(x, -kMost, kMost)); };
+    FloatAabb box;
+    for (int k = 0; k < 3; ++k) {
+        const double way = std::clamp(path.t_max * path.direction[k], -kHuge, kHuge);
+        const double reach = path.grow[k] + (kRounding * (std::abs(path.origin[k]) + std::abs(way) + path.grow[k]) + kLeast);
+        box.lower[k] = rounded((path.origin[k] + std::min(0.0, way)) - reach);
+        box.upper[k] = rounded((path.origin[k] + std::max(0.0, way)) + reach);
+    }
+    return box;
+}
 
 FloatAabb round_outward(const Aabb& box, const dvec3& origin) noexcept {
     FloatAabb result;

@@ -78,6 +78,7 @@ Json direct_json(const DirectCounts& direct) {
     return {{"stiff", direct.stiff},
             {"solved", direct.solved},
             {"too_large", direct.too_large},
+            {"ordered", direct.ordered},
             {"moving", direct.moving},
             {"waiting", direct.waiting},
             {"fell_back", direct.fell_back},

@@ -20,6 +20,7 @@ void add(DirectCounts& sum, const DirectCounts& step) {
     sum.stiff += step.stiff;
     sum.solved += step.solved;
     sum.too_large += step.too_large;
+    sum.ordered += step.ordered;
     sum.moving += step.moving;
     sum.waiting += step.waiting;
     sum.fell_back += step.fell_back;

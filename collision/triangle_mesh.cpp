@@ -2,6 +2,7 @@
 
 #include <carom/collision/detail/check_mesh.hpp>
 #include <carom/collision/detail/closed_surface.hpp>
+#include <carom/collision/detail/convex_solid.hpp>
 #include <carom/collision/detail/exact_sign.hpp>
 #include <carom/collision/detail/wide_build.hpp>
 #include <carom/collision/detail/wide_overlap.hpp>
@@ -60,6 +61,7 @@ Result<TriangleMeshPtr> TriangleMesh::build(std::span<const vec3> vertices, std:
     const SurfaceKind kind = surface_kind(vertices, triangles);
     mesh->closed_ = kind == SurfaceKind::Closed;
     mesh->oriented_ = kind != SurfaceKind::Loose;
+    if (mesh->closed_) mesh->solid_ = detail::convex_solid(vertices, triangles);
     mesh->one_sided_ = settings.one_sided;
     return TriangleMeshPtr(std::move(mesh));
 }

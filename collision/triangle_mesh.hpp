@@ -51,6 +51,10 @@ public:
     [[nodiscard]] bool is_closed() const noexcept { return closed_; }
     /// @return true if no edge is run along twice in one direction: neighbours are wound alike, and at most two meet in an edge.
     [[nodiscard]] bool is_oriented() const noexcept { return oriented_; }
+    /// @return the solid that the mesh bounds where that is convex: closed, and each triangle faces out of the hull of the vertices and has its
+    /// corners in a face of that, to 2e-6 of the largest extent. Null otherwise, and where it has over 1,024 faces or 16,384 triangles, of
+    /// which it is not found out. Contacts with such a mesh are those of the solid (narrowphase/collide.hpp).
+    [[nodiscard]] const ConvexHullPtr& solid() const noexcept { return solid_; }
     /// @return whether back faces do not collide. Such a mesh fits static and kinematic bodies only.
     [[nodiscard]] bool is_one_sided() const noexcept { return one_sided_; }
     /// @return how many triangles have zero area.
@@ -73,6 +77,7 @@ private:
     std::vector<Triangle> triangles_;
     StaticBvh bvh_;
     Aabb bounds_;
+    ConvexHullPtr solid_;
     std::size_t degenerate_count_ = 0;
     bool closed_ = false;
     bool oriented_ = true;

@@ -47,6 +47,7 @@ struct DirectCounts {
     std::size_t stiff = 0;
     std::size_t solved = 0;      ///< directly
     std::size_t too_large = 0;   ///< for WorldDef::direct_budget
+    std::size_t ordered = 0;     ///< islands that an order of elimination was looked for in, as they are new or have changed
     std::size_t moving = 0;      ///< too fast for their size, or about to bounce
     std::size_t waiting = 0;     ///< since a solve fell back not long ago
     std::size_t fell_back = 0;   ///< did not converge: thrown away, solved softly instead

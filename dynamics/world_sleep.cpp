@@ -62,7 +62,8 @@ void World::Impl::wake_before_step(double dt) {
 
 bool World::Impl::wake_touched() {
     if (sleepers.count() == 0 || !sleepers.wake_touched(contacts, arrays)) return false;
-    sleepers.give_back(arrays, previous);
+    contacts.clear();  // they are found again
+    if (sleepers.give_back(arrays, contacts)) previous.add(contacts);
     names.now.clear();
     sleepers.sync(arrays, proxies);
     return true;

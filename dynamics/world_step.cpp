@@ -1,6 +1,7 @@
 // The step, on one page. docs/step.md explains each stage.
 #include <carom/core/check.hpp>
 #include <carom/dynamics/detail/integrator.hpp>
+#include <carom/dynamics/detail/room.hpp>
 #include <carom/dynamics/detail/step.hpp>
 #include <carom/dynamics/detail/world_impl.hpp>
 
@@ -174,6 +175,28 @@ void World::Impl::patch_contacts(dynamics::Step& step) {
     names.now.clear();  // the narrowphase remembers other contacts
 }
 
+// What this step takes over of the contacts that the last one left.
+void World::Impl::keep_contacts(dynamics::Step& step, bool looks) {
+    if (!looks) return previous.clear();
+    step.run(Stage::Collide, [&] { previous.take(contacts, threads()); });
+    if (!carries) return last_manifolds.clear();  // no pair of this step will be told from one of the last
+    std::swap(contacts.manifolds, last_manifolds);
+}
+
+// What lists of a step hold beyond what it needed.
+void World::Impl::trim_lists() {
+    contacts.trim();
+    previous.trim();
+    dynamics::trim_kept(last_manifolds);
+    dynamics::trim_kept(candidates);
+    dynamics::trim_kept(names.now);
+    dynamics::trim_scratch(names.before);
+    if (!contacts_hold || solver.is_roomy()) {
+        solver.trim();
+        contacts_hold = false;
+    }
+}
+
 // Who touches whom, with the impulses of the step before.
 void World::Impl::find_contacts(dynamics::Step& step, const dynamics::Motion& motion) {
     bool reuses = false;  // contacts of the step before
@@ -203,12 +226,12 @@ void World::Impl::find_contacts(dynamics::Step& step, const dynamics::Motion& mo
     });
     patched = keeps;
     if (keeps) return step.run(Stage::Collide, [&] { patch_contacts(step); });
-    if (!std::exchange(set_aside, true)) std::swap(contacts, previous);
+    if (!std::exchange(set_aside, true)) keep_contacts(step, true);
     step.run(Stage::Collide, [&] {
         const PlacedShapes placed{proxies.shapes, proxies.poses};
         std::vector<Manifold>& found = contacts.manifolds;
         const CollideCounts counts =
-            reuses ? collide(placed, candidates, previous.manifolds, threads(), collide_scratch, found)
+            reuses ? collide(placed, candidates, last_manifolds, threads(), collide_scratch, found)
                    : collide(placed, candidates, threads(), collide_scratch, found);
         step.report.undecided = counts.undecided;
         step.report.reused = counts.reused;
@@ -231,6 +254,7 @@ void World::Impl::solve_contacts(dynamics::Step& step, double dt) {
         run();
         step.run(Stage::Joints, work);
     };
+    const int relaxations = def.relax ? solver.relaxations() : 0;
     for (int k = 0; k < def.substeps; ++k) {
         solver.list_velocities(k == 0 ? dynamics::WarmStart::First : dynamics::WarmStart::Again);
         if (k == 0) solver.list_warm_start();
@@ -238,7 +262,7 @@ void World::Impl::solve_contacts(dynamics::Step& step, double dt) {
         solver.list_pass(true);
         if (joined) joints_do([&] { joint_solver.solve(solver, k, threads()); });
         solver.list_positions();
-        if (def.relax) solver.list_pass(false);
+        for (int pass = 0; pass < relaxations; ++pass) solver.list_pass(false);
         if (joined && def.relax) joints_do([&] { joint_solver.relax(solver, k, threads()); });
     }
     run();
@@ -277,8 +301,9 @@ StepReport World::Impl::take_step(const World& world, double dt) {
     const Balance before = w.def.report_balance ? balance_of(world) : Balance{};
     if (w.def.report_residual) w.residual.remember(w.arrays);
     w.set_aside = false;
+    w.carries = !w.names.now.empty();
     if (!choices.contacts) {  // otherwise each part is replaced below
-        std::swap(w.contacts, w.previous);
+        w.keep_contacts(step, false);
         w.contacts.clear();
         w.names.now.clear();
         w.direct.clear();
@@ -334,6 +359,7 @@ StepReport World::Impl::take_step(const World& world, double dt) {
         for (const std::uint32_t slot : w.continuous.displaced()) w.displaced[slot] = 1;
     }
     step.report.step = ++w.steps;
+    if (w.steps % dynamics::kTrimEvery == 0) w.trim_lists();
     if (!step.report.quarantined.empty()) step.report.residual.reset();
     if (w.def.report_balance && step.report.quarantined.empty()) step.report.balance = balance_of(world) - before;
     return step.finish();

@@ -18,6 +18,9 @@ namespace {
 // Pairs a chunk: enough to hide what a chunk costs, few enough to share among threads. It fixes where results lie, so that neither
 // threads nor grain can change them.
 constexpr std::size_t kChunk = 128;
+// Pairs are run by blocks, whose manifolds wait in the chunks until all before them are counted: a block is all that this takes memory for. One of
+// several kinds is longer, so that few of a kernel's lanes idle where its pairs end, and so is one of several threads, which wait for each other.
+constexpr std::size_t kBlock = 1024, kBlockOfThread = 4096;
 constexpr std::size_t kKinds = static_cast<std::size_t>(kShapeTypeCount) * static_cast<std::size_t>(kShapeTypeCount);
 
 constexpr unsigned char kNoShape = 255;
@@ -44,9 +47,9 @@ struct CollideScratch::Data {
     std::vector<unsigned char> types;  // by shape; kNoShape for none
     std::vector<detail::BoxLine> boxes;
     std::vector<std::uint16_t> kinds;  // by pair
-    std::vector<std::uint32_t> order;
-    std::vector<Place> places;
-    std::vector<std::size_t> starts;
+    std::vector<std::uint32_t> order;  // of a block's pairs to be run
+    std::vector<Place> places;         // by pair of a block, and so:
+    std::vector<std::size_t> starts;   // where its manifolds are to be
     std::vector<Chunk> chunks;
     detail::BatchMemory memory;
 };
@@ -63,6 +66,7 @@ struct CollideBatch {
     Executor& executor;
     CollideScratch::Data& data;
     bool alone = false;  // knows nothing of the batch before, and is not remembered
+    std::size_t block = 0;  // the first pair of the one that is run
 
     static CollideScratch::Data& data_of(CollideScratch& scratch) {
         if (scratch.data_ == nullptr) scratch.data_ = std::make_unique<CollideScratch::Data>();  // it was moved from
@@ -152,42 +156,42 @@ struct CollideBatch {
         });
     }
 
-    // Marks the pairs that need not be looked at.
-    void find_reusable() {
-        data.memory.compare(placed, pairs, executor);
-        for (std::size_t i = 0; i < pairs.size(); ++i) {
-            if (!data.memory.reuses(i)) continue;
-            const detail::PairRecord& record = data.memory.record(pairs[i]);
-            data.kinds[i] = kReused;
-            data.places[i] = {0, 0, record.count, (record.state & detail::kUndecided) != 0};
-        }
-    }
-
-    // Calls `with(kind, begin, end)` for neighbouring pairs of one kind: often many.
+    // Calls `with(kind, begin, end)` for neighbouring pairs of one kind among [from, to): often many.
     template <class With>
-    void for_runs(const With& with) const {
-        for (std::size_t begin = 0, end = 0; begin < data.kinds.size(); begin = end) {
+    void for_runs(std::size_t from, std::size_t to, const With& with) const {
+        for (std::size_t begin = from, end = from; begin < to; begin = end) {
             const std::uint16_t kind = data.kinds[begin];
-            for (end = begin + 1; end < data.kinds.size() && data.kinds[end] == kind; ++end) {
+            for (end = begin + 1; end < to && data.kinds[end] == kind; ++end) {
             }
             with(std::size_t{kind}, begin, end);
         }
     }
 
-    // Counting sort, stable: neighbours in the order run the same kernel. @return how many pairs are to be run, and how many of them are of boxes.
-    std::pair<std::size_t, std::size_t> sort_by_kernel() {
+    // Marks the pairs that need not be looked at, and counts the others by kind.
+    [[nodiscard]] std::array<std::size_t, kKinds + 1> count_kinds() {
+        if (!alone) {
+            data.memory.compare(placed, pairs, executor);
+            for (std::size_t i = 0; i < pairs.size(); ++i) {
+                if (data.memory.reuses(i)) data.kinds[i] = kReused;
+            }
+        }
+        std::array<std::size_t, kKinds + 1> counts{};
+        for_runs(0, pairs.size(), [&](std::size_t kind, std::size_t begin, std::size_t end) { counts[kind] += end - begin; });
+        return counts;
+    }
+
+    // Of the pairs [block, end) those that are to be run: a counting sort, stable, so neighbours in the order run the same kernel.
+    void sort_by_kernel(std::size_t end) {
         std::array<std::uint32_t, kKinds + 2> starts{};
-        for_runs([&](std::size_t kind, std::size_t begin, std::size_t end) { starts[kind + 1] += static_cast<std::uint32_t>(end - begin); });
+        for_runs(block, end, [&](std::size_t kind, std::size_t from, std::size_t to) { starts[kind + 1] += static_cast<std::uint32_t>(to - from); });
         for (std::size_t k = 0; k <= kKinds; ++k) starts[k + 1] += starts[k];
-        constexpr std::size_t kBoxes = static_cast<std::size_t>(ShapeType::Box) * (static_cast<std::size_t>(kShapeTypeCount) + 1);
-        const std::size_t count = starts[kReused], boxes = starts[kBoxes + 1] - starts[kBoxes];
-        data.order.resize(pairs.size());
-        for_runs([&](std::size_t kind, std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) data.order[starts[kind] + (i - begin)] = static_cast<std::uint32_t>(i);
-            starts[kind] += static_cast<std::uint32_t>(end - begin);
+        const std::size_t count = starts[kReused];
+        data.order.resize(end - block);
+        for_runs(block, end, [&](std::size_t kind, std::size_t from, std::size_t to) {
+            for (std::size_t i = from; i < to; ++i) data.order[starts[kind] + (i - from)] = static_cast<std::uint32_t>(i);
+            starts[kind] += static_cast<std::uint32_t>(to - from);
         });
         data.order.resize(count);
-        return {count, boxes};
     }
 
     void run_chunk(std::size_t index) {
@@ -214,7 +218,7 @@ struct CollideBatch {
             entry.wide(input(), chosen, workspace, chunk.manifolds);
             for (const std::uint32_t i : chosen) {
                 const std::uint32_t count = first < chunk.manifolds.size() && chunk.manifolds[first].pair == i ? 1u : 0u;
-                data.places[i] = {index, first, count, false};
+                data.places[i - block] = {index, first, count, false};
                 first += count;
             }
             return;
@@ -222,49 +226,72 @@ struct CollideBatch {
         for (const std::uint32_t i : chosen) {
             const CollideStatus status = detail::run_pair(input().pair(i), entry, i, workspace, chunk.manifolds);
             const auto end = static_cast<std::uint32_t>(chunk.manifolds.size());
-            data.places[i] = {index, first, end - first, status != CollideStatus::Ok};
+            data.places[i - block] = {index, first, end - first, status != CollideStatus::Ok};
             first = end;
         }
     }
 
-    // Of pairs [begin, end): their manifolds, to where they belong, and what is known of them from now on.
+    // Of pairs [begin, end) of the block: their manifolds, to where they belong, and what is known of them from now on.
     void finish_pairs(std::size_t begin, std::size_t end, Manifold* out) {
         for (std::size_t i = begin; i < end; ++i) {
-            const Place& place = data.places[i];
+            const Place& place = data.places[i - block];
+            const std::size_t start = data.starts[i - block];
             const bool reused = data.kinds[i] == kReused;
             if (!reused) {
                 const Manifold* from = data.chunks[place.chunk].manifolds.data() + place.first;
-                std::copy(from, from + place.count, out + data.starts[i]);
+                std::copy(from, from + place.count, out + start);
             }
             if (alone) continue;
             if (!reused) data.memory.remember(i, pairs[i], place.count > 0, place.undecided);
-            data.memory.place(i, data.starts[i], place.count);
+            data.memory.place(i, start, place.count);
         }
-        if (!alone) data.memory.carry(pairs, begin, end, data.starts, last, out);
+        if (!alone) data.memory.carry(pairs, begin, end, std::span{data.starts}.subspan(begin - block), last, out);
+    }
+
+    // Pairs [block, end), whose manifolds go to `out` from `start` on. @return how many pairs are undecided.
+    std::size_t run_block(std::size_t end, std::size_t start, std::vector<Manifold>& out) {
+        sort_by_kernel(end);
+        const std::size_t chunk_count = (data.order.size() + kChunk - 1) / kChunk;
+        if (data.chunks.size() < chunk_count) data.chunks.resize(chunk_count);
+        executor.parallel_for(chunk_count, 1, [&](std::size_t from, std::size_t to) {
+            for (std::size_t c = from; c < to; ++c) run_chunk(c);
+        });
+        std::size_t undecided = 0;
+        data.starts[0] = start;
+        for (std::size_t i = block; i < end; ++i) {
+            Place& place = data.places[i - block];
+            if (data.kinds[i] == kReused) {
+                const detail::PairRecord& record = data.memory.record(pairs[i]);
+                place = {0, 0, record.count, (record.state & detail::kUndecided) != 0};
+            }
+            data.starts[i - block + 1] = data.starts[i - block] + place.count;
+            undecided += place.undecided ? 1 : 0;
+        }
+        const std::size_t needed = data.starts[end - block];
+        if (out.size() < needed) out.resize(needed);  // what it held of another batch is written over, and cleared only where it is too short
+        executor.parallel_for(end - block, 256, [&](std::size_t from, std::size_t to) { finish_pairs(block + from, block + to, out.data()); });
+        return undecided;
     }
 
     CollideCounts run(std::vector<Manifold>& out) {
-        data.places.resize(pairs.size());
-        if (!alone) find_reusable();
-        const auto [run_count, box_pairs] = sort_by_kernel();
+        const auto kinds = count_kinds();
+        constexpr std::size_t kBoxes = static_cast<std::size_t>(ShapeType::Box) * (static_cast<std::size_t>(kShapeTypeCount) + 1);
         data.boxes.clear();
-        if (4 * box_pairs > 3 * data.types.size()) write_lines();  // most boxes are in more than one pair
-        const std::size_t chunk_count = (run_count + kChunk - 1) / kChunk;
-        if (data.chunks.size() < chunk_count) data.chunks.resize(chunk_count);
-        executor.parallel_for(chunk_count, 1, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t c = begin; c < end; ++c) run_chunk(c);
-        });
+        if (4 * kinds[kBoxes] > 3 * data.types.size()) write_lines();  // most boxes are in more than one pair
 
-        CollideCounts counts;
-        counts.reused = pairs.size() - run_count;
-        data.starts.resize(pairs.size() + 1);
-        data.starts[0] = 0;
-        for (std::size_t i = 0; i < pairs.size(); ++i) {
-            data.starts[i + 1] = data.starts[i] + data.places[i].count;
-            counts.undecided += data.places[i].undecided ? 1 : 0;
+        const auto kinds_run = static_cast<std::size_t>(std::count_if(kinds.begin(), kinds.begin() + kReused, [](std::size_t n) { return n > 0; }));
+        const std::size_t threads = static_cast<std::size_t>(executor.thread_count());
+        const std::size_t length = std::min(pairs.size(), std::max<std::size_t>(kinds_run, 1) * (threads == 1 ? kBlock : threads * kBlockOfThread));
+        data.places.resize(length);
+        data.starts.assign(length + 1, 0);
+        CollideCounts counts{.undecided = 0, .reused = kinds[kReused]};
+        std::size_t found = 0;
+        for (block = 0; block < pairs.size(); block += length) {
+            const std::size_t end = std::min(pairs.size(), block + length);
+            counts.undecided += run_block(end, found, out);
+            found = data.starts[end - block];
         }
-        out.resize(data.starts.back());
-        executor.parallel_for(pairs.size(), 1024, [&](std::size_t begin, std::size_t end) { finish_pairs(begin, end, out.data()); });
+        out.resize(found);
         alone ? data.memory.forget() : data.memory.finish(placed, out.size());
         return counts;
     }

@@ -6,6 +6,7 @@
 #include <carom/narrowphase/detail/check_pair.hpp>
 #include <carom/narrowphase/detail/one_sided.hpp>
 #include <carom/narrowphase/detail/piece_pair.hpp>
+#include <carom/narrowphase/detail/solid_mesh.hpp>
 
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
@@ -45,6 +46,7 @@ struct Nearest {
     std::uint32_t part_a = 0, part_b = 0, triangle = 0;
     ConvexPiece a, b;  // b: nothing of a plane
     bool back_face = false;
+    bool of_solid = false;  // the mesh stands for the solid that it bounds
 
     /// Whether what is `gap` away at least cannot take its place: what a one-sided mesh turns its front to goes before all else.
     [[nodiscard]] bool stays(bool is_back, double gap) const { return found && (is_back != back_face ? is_back : gap >= finding.axis.gap); }
@@ -170,9 +172,35 @@ void look_at_triangles(const Part& part, const Placed& mesh, double reach, const
     }
 }
 
+/// The solid in whose place the mesh stands before one part, if any.
+const ConvexHull* solid_before(const Part& part, const Placed& mesh) {
+    const auto own = [&](const dvec3& p) { return (p - mesh.origin) * mesh.axes; };
+    return detail::solid_to(*std::get<TriangleMeshPtr>(mesh.shape), own(part.piece.centre()), [&](const dvec3& n) {
+        const dvec3 direction = mesh.axes * n;
+        return part.piece.reach(direction) - glm::dot(direction, mesh.origin);
+    });
+}
+
 Nearest nearest_to_mesh(const Placed& solid, const Placed& mesh, double margin, const std::vector<Manifold>& manifolds, bool swapped) {
     Nearest best;
-    for (const Part& part : parts_of(solid)) look_at_triangles(part, mesh, margin, manifolds, swapped, best);
+    for (const Part& part : parts_of(solid)) {
+        if (solid_before(part, mesh) == nullptr) {
+            look_at_triangles(part, mesh, margin, manifolds, swapped, best);
+            continue;
+        }
+        Nearest here;  // for the triangle
+        look_at_triangles(part, mesh, margin, manifolds, swapped, here);
+        if (!here.found) continue;
+        std::vector<dvec3> normals = swapped ? contact_normals(manifolds, 0, part.number) : contact_normals(manifolds, part.number, 0);
+        if (swapped) {
+            for (dvec3& n : normals) n = -n;
+        }
+        here.b = detail::make_piece(std::get<TriangleMeshPtr>(mesh.shape)->solid(), mesh.axes, mesh.origin);
+        here.finding = detail::compare(part.piece, here.b, normals);
+        here.back_face = false;
+        here.of_solid = true;
+        if (!best.stays(false, here.finding.axis.gap)) best = std::move(here);
+    }
     return best;
 }
 
@@ -229,7 +257,7 @@ std::string disagreement_of(const ShapePair& pair, const Nearest& nearest, Colli
     const double margin = static_cast<double>(pair.margin);
     if (deepest_one != nullptr && gap > margin + tolerance) return "contacts are reported although the two are farther apart than the margin";
     if (deepest_one == nullptr && gap < margin - tolerance) return "no contact is reported although the two are nearer than the margin";
-    const bool of_mesh = type_a == ShapeType::TriangleMesh || type_b == ShapeType::TriangleMesh;
+    const bool of_mesh = !nearest.of_solid && (type_a == ShapeType::TriangleMesh || type_b == ShapeType::TriangleMesh);
     if (deepest_one == nullptr || of_mesh || status != CollideStatus::Ok) return "";
     // Of two boxes that are apart the nearest corner may lie beside the other's face: what the faces share is farther apart then.
     const double above = static_cast<double>(separation) - gap;

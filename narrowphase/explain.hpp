@@ -32,7 +32,8 @@ enum class SupportKind : unsigned char {
 };
 
 /// Corners are counted as the hull's vertices (a box: bit k of the number set where axis k is positive), faces as the hull's, edges as pairs
-/// of half edges; of a triangle the corners 0..2, edges 0..2 (0: from corner 0 to 1), faces 0 and 1 for front and back.
+/// of half edges; of a triangle the corners 0..2, edges 0..2 (0: from corner 0 to 1), faces 0 and 1 for front and back; of a mesh whose
+/// contacts are those of the convex solid that it bounds (TriangleMesh::solid), as of that hull.
 struct SupportFeature {
     SupportKind kind = SupportKind::Round;
     std::uint32_t index = 0;

@@ -7,46 +7,42 @@
 #include <carom/narrowphase/sweep.hpp>
 
 #include <memory>
-#include <optional>
 #include <variant>
 
 namespace carom {
 namespace {
 
-/// What does not turn, as sweep.hpp has it: a ball, or one drawn along a segment.
-struct RoundMover {
-    dvec3 centre{0.0};
-    dvec3 half_axis{0.0};  ///< from the centre to an end, world axes; zero of a ball
-    double radius = 0.0;
-};
-
 bool turns(const Shape& a, const RigidMotion& m) noexcept {
     return m.rotation != dvec3{0.0} && !(type_of(a) == ShapeType::Sphere && m.pivot == dvec3{0.0});
 }
 
-std::optional<RoundMover> round_mover(const Shape& a, const RigidMotion& m) noexcept {
-    if (turns(a, m)) return {};
-    if (const Sphere* ball = std::get_if<Sphere>(&a)) return RoundMover{m.start.position, dvec3{0.0}, double(ball->radius)};
-    if (const Capsule* capsule = std::get_if<Capsule>(&a)) {
-        const dvec3 half = rotate(m.start.orientation, dvec3{0.0, double(capsule->half_segment), 0.0});
-        return RoundMover{m.start.position, half, double(capsule->radius)};
-    }
-    return {};
-}
-
-/// A round mover in B's frame, grown by the separation and by what coming there may have rounded: so it is met no later than A is.
+/// What does not turn, as sweep.hpp has it, in B's frame: a ball, or one drawn along a segment.
 struct LocalMover {
     geo::Capsule<double> shape;
     dvec3 motion{0.0};
     bool ball = true;
 };
 
-LocalMover into(const Pose& b, const RoundMover& a, const dvec3& motion, double separation) noexcept {
-    const dvec3 centre = inverse_transform_point(b, a.centre), half = inverse_transform_vector(b, a.half_axis);
-    const double size = glm::length(a.centre - b.position) + glm::length(a.half_axis) + glm::length(motion) + a.radius + separation;
-    LocalMover local{{{centre - half, centre + half}, a.radius + separation + 0x1p-46 * size}, inverse_transform_vector(b, motion)};
-    local.ball = a.half_axis == dvec3{0.0};
-    return local;
+/// @return whether A is one: grown by the separation and by what coming there may have rounded, so it is met no later than A is.
+bool make_local(const Shape& a, const RigidMotion& m, const Pose& b, double separation, LocalMover& local) noexcept {
+    if (turns(a, m)) return false;
+    const dvec3 centre = inverse_transform_point(b, m.start.position);
+    double radius = separation, length = 0.0;
+    if (const Sphere* ball = std::get_if<Sphere>(&a)) {
+        radius += double(ball->radius);
+        local.shape.axis.a = local.shape.axis.b = centre;
+    } else if (const Capsule* capsule = std::get_if<Capsule>(&a)) {
+        length = double(capsule->half_segment);
+        radius += double(capsule->radius);
+        const dvec3 half = inverse_transform_vector(b, rotate(m.start.orientation, dvec3{0.0, length, 0.0}));
+        local.shape.axis.a = centre - half, local.shape.axis.b = centre + half;
+        local.ball = length == 0.0;
+    } else {
+        return false;
+    }
+    local.shape.radius = radius + 0x1p-46 * (glm::length(m.start.position - b.position) + length + glm::length(m.translation) + radius);
+    local.motion = inverse_transform_vector(b, m.translation);
+    return true;
 }
 
 template <class B>
@@ -54,55 +50,62 @@ auto sweep_local(const LocalMover& a, const B& b) {
     return a.ball ? geo::sweep(geo::Sphere<double>{a.shape.axis.a, a.shape.radius}, a.motion, b) : geo::sweep(a.shape, a.motion, b);
 }
 
-/// What closed form there is for `a` against a standing B, in B's frame.
+/// What closed form there is for `a` against a standing B, in B's frame. @return whether there is one. Written where it stays: numbers that have just been
+/// stored one by one are slow to copy.
 struct ClosedForm {
     const LocalMover& a;
-    std::uint32_t& triangle;
+    ShapeImpact& out;
 
-    std::optional<Impact> operator()(const Plane& b) const { return sweep_local(a, geo::Plane<double>{dvec3(b.normal), double(b.offset)}); }
-    std::optional<Impact> operator()(const Sphere& b) const { return sweep_local(a, geo::Sphere<double>{dvec3{0.0}, double(b.radius)}); }
-    std::optional<Impact> operator()(const Capsule& b) const {
+    template <class B>
+    bool meet(const B& b) const {
+        static_cast<Impact&>(out) = sweep_local(a, b);
+        return true;
+    }
+    bool operator()(const Plane& b) const { return meet(geo::Plane<double>{dvec3(b.normal), double(b.offset)}); }
+    bool operator()(const Sphere& b) const { return meet(geo::Sphere<double>{dvec3{0.0}, double(b.radius)}); }
+    bool operator()(const Capsule& b) const {
         const dvec3 half{0.0, double(b.half_segment), 0.0};
-        return sweep_local(a, geo::Capsule<double>{{-half, half}, double(b.radius)});
+        return meet(geo::Capsule<double>{{-half, half}, double(b.radius)});
     }
-    std::optional<Impact> operator()(const Box& b) const {
-        if (!a.ball) return {};  // no quicker than the search
-        return sweep_local(a, geo::Aabb<double>{-dvec3(b.half_extents), dvec3(b.half_extents)});
+    bool operator()(const Box& b) const {
+        if (!a.ball) return false;  // no quicker than the search
+        return meet(geo::Aabb<double>{-dvec3(b.half_extents), dvec3(b.half_extents)});
     }
-    std::optional<Impact> operator()(const TriangleMeshPtr& b) const {
+    bool operator()(const TriangleMeshPtr& b) const {
         const geo::MeshImpact impact = sweep_local(a, *b);
-        if (impact.triangle != geo::MeshImpact::kNone) triangle = impact.triangle;
-        return impact;
+        static_cast<Impact&>(out) = impact;
+        if (impact.triangle != geo::MeshImpact::kNone) out.triangle = impact.triangle;
+        return true;
     }
     template <class Other>
-    std::optional<Impact> operator()(const Other&) const {
-        return {};
+    bool operator()(const Other&) const {
+        return false;
     }
 };
 
 constexpr ShapeImpact kInvalid{{.status = ImpactStatus::Invalid, .t = 0.0}, 0, 0};
 
-/// Of a contact in B's frame.
-ShapeImpact placed(const Impact& impact, std::uint32_t triangle, const Pose& pose_b, double until) noexcept {
-    ShapeImpact out{impact, 0, 0};
-    if (may_touch(impact.status) && impact.t > until) out = {{.t = until}, 0, 0};
+/// Takes a contact out of B's frame.
+void place(ShapeImpact& out, const Pose& pose_b, double until) noexcept {
+    if (may_touch(out.status) && out.t > until) out = {{.t = until}, 0, 0};
     if (out.status == ImpactStatus::Separated) out.t = until;
     if (out.status == ImpactStatus::Touching) {
-        out.point = transform_point(pose_b, impact.point);
-        out.normal = transform_vector(pose_b, impact.normal);
+        out.point = transform_point(pose_b, out.point);
+        out.normal = transform_vector(pose_b, out.normal);
     }
-    if (may_touch(out.status)) out.triangle = triangle;
-    return out;
+    if (!may_touch(out.status)) out.triangle = 0;
 }
 
 /// @param b  not a compound.
-ShapeImpact cast_simple(const Shape& a, const RigidMotion& motion, const Shape& b, const Pose& pose_b, const TimeOfImpactSettings& settings) {
+ShapeImpact cast_simple(const Shape& a, const RigidMotion& motion, const Shape& b, const Pose& pose_b,
+                        const TimeOfImpactSettings& settings) {
     const TriangleMeshPtr* mesh = std::get_if<TriangleMeshPtr>(&b);
-    if (const std::optional<RoundMover> mover = round_mover(a, motion)) {
-        std::uint32_t triangle = 0;
-        const LocalMover local = into(pose_b, *mover, motion.translation, settings.separation);
-        if (const std::optional<Impact> impact = std::visit(ClosedForm{local, triangle}, b)) {
-            return placed(*impact, triangle, pose_b, settings.until);
+    LocalMover local;
+    if (make_local(a, motion, pose_b, settings.separation, local)) {
+        ShapeImpact out;
+        if (std::visit(ClosedForm{local, out}, b)) {
+            place(out, pose_b, settings.until);
+            return out;
         }
     }
     if (mesh == nullptr) return {time_of_impact(a, motion, b, {.start = pose_b}, settings), 0, 0};
@@ -115,7 +118,8 @@ Aabb reach_box(const Shape& a, const RigidMotion& m, const Pose& pose_b, double 
     const dvec3 arm = rotate(m.start.orientation, m.pivot);
     const dvec3 from = inverse_transform_point(pose_b, m.start.position + arm), along = inverse_transform_vector(pose_b, m.translation);
     const double radius = bounding_radius(a) + glm::length(m.pivot) + separation;
-    const double size = radius + glm::length(from) + glm::length(along) + glm::length(pose_b.position) + glm::length(m.start.position - pose_b.position);
+    const double size =
+        radius + glm::length(from) + glm::length(along) + glm::length(pose_b.position) + glm::length(m.start.position - pose_b.position);
     return inflate({glm::min(from, from + along), glm::max(from, from + along)}, radius + 0x1p-44 * size);
 }
 
@@ -154,7 +158,8 @@ bool fit(const Shape& a, const Shape& b) noexcept {
 
 }  // namespace
 
-ShapeImpact cast_shape(const Shape& a, const RigidMotion& motion, const Shape& b, const Pose& pose_b, const TimeOfImpactSettings& settings) {
+ShapeImpact cast_shape(const Shape& a, const RigidMotion& motion, const Shape& b, const Pose& pose_b,
+                       const TimeOfImpactSettings& settings) {
     if (!detail::fit(pose_b) || !detail::fit(motion) || !detail::fit(settings) || !fit(a, b)) return kInvalid;
     const CompoundPtr* compound = std::get_if<CompoundPtr>(&b);
     return compound != nullptr ? cast_compound(a, motion, **compound, pose_b, settings) : cast_simple(a, motion, b, pose_b, settings);

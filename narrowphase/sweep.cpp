@@ -187,7 +187,7 @@ BasicImpact<T> sweep(const Sphere<T>& a, const Vec3<T>& motion, const Aabb<T>& b
     if (!all_fit(a, motion, b)) return rounded<T>(kInvalidImpact);
     const SweepFrame frame{dvec3(a.center), dvec3(motion), double(a.radius), 0.0};
     const BoxCore core{frame.local(dvec3(b.lower)), frame.local(dvec3(b.upper))};
-    return rounded<T>(impact_of(sweep_core(frame.path(farthest(core)), core), frame));
+    return rounded_from<T>([&] { return impact_of(sweep_core(frame.path(farthest(core)), core), frame); });
 }
 
 template <class T>

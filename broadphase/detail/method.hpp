@@ -51,11 +51,18 @@ public:
         }
     }
 
-    /// As visit_where, of boxes for which `touches` implies that the path meets them. path.t_max may become less on the way.
+    /// As visit_where, of boxes for which `touches` implies that the path meets them. path.t_max may become less on the way. This one looks at every box near
+    /// the path's.
     virtual void visit_along(const ProxyTable& table, const SweepPath& path, FunctionRef<bool(const FloatAabb&)> touches,
                              FunctionRef<bool(std::uint32_t)> visit) const {
-        static_cast<void>(path);
-        visit_where(table, touches, visit);
+        const FloatAabb all = box_about(path);
+        visit_where(
+            table,
+            [&](const FloatAabb& box) {
+                return box.lower.x <= all.upper.x && all.lower.x <= box.upper.x && box.lower.y <= all.upper.y &&
+                       all.lower.y <= box.upper.y && box.lower.z <= all.upper.z && all.lower.z <= box.upper.z && touches(box);
+            },
+            visit);
     }
 
     /// For pictures; most methods have neither parts nor ends.

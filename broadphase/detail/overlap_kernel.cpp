@@ -58,6 +58,21 @@ void begun_of_movers(const Entries& e, std::size_t end, std::span<const Mover> m
     }
 }
 
+std::uint64_t near_of_range(const Entries& e, std::size_t begin, std::size_t end, const FloatAabb& box) {
+    std::uint64_t near = 0;
+    for (std::size_t i = begin; i < end; i += kLanes) {
+        Mask hit =
+            (load_unaligned(e.lower[0].data() + i) <= Floats(box.upper.x)) & (load_unaligned(e.upper[0].data() + i) >= Floats(box.lower.x));
+        hit = hit & (load_unaligned(e.lower[1].data() + i) <= Floats(box.upper.y)) &
+              (load_unaligned(e.upper[1].data() + i) >= Floats(box.lower.y));
+        hit = hit & (load_unaligned(e.lower[2].data() + i) <= Floats(box.upper.z)) &
+              (load_unaligned(e.upper[2].data() + i) >= Floats(box.lower.z));
+        near |= std::uint64_t{bits(hit)} << (i - begin);
+    }
+    const std::size_t count = end - begin;  // sentinels overlap what is open on all sides
+    return count < 64 ? near & ((std::uint64_t{1} << count) - 1) : near;
+}
+
 }  // namespace
 }  // namespace carom::detail::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
@@ -71,6 +86,11 @@ namespace carom::detail {
 HWY_EXPORT(overlaps_sorted);
 HWY_EXPORT(overlaps_any);
 HWY_EXPORT(begun_of_movers);
+HWY_EXPORT(near_of_range);
+
+std::uint64_t find_near(const Entries& entries, std::size_t begin, std::size_t end, const FloatAabb& box) {
+    return HWY_DYNAMIC_DISPATCH(near_of_range)(entries, begin, end, box);
+}
 
 void find_begun(const Entries& entries, std::size_t end, std::span<const Mover> movers, PairBuffer& out) {
     HWY_DYNAMIC_DISPATCH(begun_of_movers)(entries, end, movers, out);

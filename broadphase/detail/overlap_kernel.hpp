@@ -73,4 +73,7 @@ struct Mover {
 /// overlapped it before too.
 void find_begun(const Entries& entries, std::size_t end, std::span<const Mover> movers, PairBuffer& out);
 
+/// @return bit i for each entry begin + i that overlaps the box (closed test); of [begin, end), which are at most 64.
+[[nodiscard]] std::uint64_t find_near(const Entries& entries, std::size_t begin, std::size_t end, const FloatAabb& box);
+
 }  // namespace carom::detail

@@ -77,6 +77,11 @@ public:
         total_.store(0, std::memory_order_relaxed);
         for (std::size_t k = 0; k < count; ++k) pieces_[k].clear(limit);
     }
+    /// Gives the memory of the pieces back, and them with it.
+    void drop() noexcept {
+        std::vector<PairBuffer>().swap(pieces_);
+        count_ = 0;
+    }
     [[nodiscard]] std::size_t count() const noexcept { return count_; }
     [[nodiscard]] std::size_t limit() const noexcept { return limit_; }
     [[nodiscard]] PairBuffer& operator[](std::size_t k) noexcept { return pieces_[k]; }

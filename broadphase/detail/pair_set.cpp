@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 #include <utility>
 
 namespace carom::detail {
@@ -137,6 +138,20 @@ void PairSet::replace(std::span<const ProxyPair> sorted) {
     std::copy(sorted.begin(), sorted.end(), pairs_.begin());
     const ListChanges changes = compare_rows(0, std::numeric_limits<std::size_t>::max(), 0, count_);
     take_changes({&changes, 1});
+}
+
+bool PairSet::trim() {
+    constexpr std::size_t kFew = 1024;
+    if (std::max(pairs_.size(), next_.size()) <= 2 * count_ + kFew) return false;
+    keep();
+    std::vector<ProxyPair> kept;
+    kept.reserve(count_ + count_ / 4);
+    kept.assign(pairs_.begin(), pairs_.begin() + static_cast<std::ptrdiff_t>(count_));
+    pairs_.swap(kept);
+    previous_count_ = 0;
+    const auto drop = [](auto&... lists) { (std::remove_reference_t<decltype(lists)>().swap(lists), ...); };
+    drop(next_, begun_store_, ended_, row_values_, touched_, ended_places_, begun_places_, runs_, candidates_, payload_, scratch_.keys, scratch_.payload);
+    return true;
 }
 
 std::size_t PairSet::memory() const noexcept {

@@ -24,7 +24,9 @@ namespace carom::detail {
 /// Makes room for `size`, and a quarter more where there is none.
 template <class T>
 void grow(std::vector<T>& v, std::size_t size) {
-    if (v.size() < size) v.resize(size + size / 4);
+    if (v.size() >= size) return;
+    v.reserve(size + size / 4);  // no more: vectors double as they are resized
+    v.resize(size + size / 4);
 }
 
 class PairSet {
@@ -57,6 +59,8 @@ public:
     bool patch(const PairPieces& found, const PairPieces* ended, const SlotBits& changed, const Keep& keep, std::size_t limit);
 
     [[nodiscard]] std::size_t memory() const noexcept;
+    /// Gives memory back where lists hold more than twice what the pairs take, and forgets what began and ended. @return whether it did.
+    bool trim();
 
 private:
     /// What changed among some rows: runs of ended_ and begun_store_.
@@ -81,7 +85,7 @@ private:
     void look_up_begun(const PairPieces& found);
     void splice();
 
-    std::vector<ProxyPair> pairs_, next_;  // grown, never shrunk, as all below: the first count_ of pairs_ hold
+    std::vector<ProxyPair> pairs_, next_;  // grown, and shrunk by trim() alone, as all below: the first count_ of pairs_ hold
     std::size_t count_ = 0;
     std::size_t previous_count_ = 0;  // of next_, while the two lists are compared
     std::span<const ProxyPair> begun_;

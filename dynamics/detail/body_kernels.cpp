@@ -43,13 +43,15 @@ void Kick(SolverBodies& all, std::size_t begin, std::size_t end, bool again) {
 }
 
 // turn += h/2 (0, spin) * turn, then back to unit length.
-void Advance(SolverBodies& all, std::size_t begin, std::size_t end, float step) {
+float Advance(SolverBodies& all, std::size_t begin, std::size_t end, float step) {
     auto* const bodies = reinterpret_cast<float*>(all.bodies.data());
     const Floats h(step), half = Floats(0.5f) * h;
+    Floats fastest(0.0f);
     for (std::size_t first = begin; first < end; first += static_cast<std::size_t>(kLanes)) {
         alignas(64) std::int32_t rows[kLanes];
         list_rows(first, end, rows);
         const TwoRows motion = gather_two_rows(bodies, rows, kBodyStride, 0), place = gather_two_rows(bodies, rows, kBodyStride, 8);
+        fastest = max(fastest, (motion.e * motion.e + motion.f * motion.f) + motion.g * motion.g);
         const Floats &qx = place.e, &qy = place.f, &qz = place.g, &qw = place.h;
         const Floats x = half * motion.e, y = half * motion.f, z = half * motion.g;
         const Floats nx = qx + ((x * qw + y * qz) - z * qy), ny = qy + ((y * qw + z * qx) - x * qz);
@@ -58,6 +60,7 @@ void Advance(SolverBodies& all, std::size_t begin, std::size_t end, float step) 
         scatter_rows(bodies, rows, kBodyStride, 8, place.a + h * motion.a, place.b + h * motion.b, place.c + h * motion.c, Floats(0.0f));
         scatter_rows(bodies, rows, kBodyStride, 12, scale * nx, scale * ny, scale * nz, scale * nw);
     }
+    return greatest_lane(fastest);
 }
 
 }  // namespace
@@ -75,8 +78,8 @@ void kick(SolverBodies& bodies, std::size_t begin, std::size_t end, WarmStart wa
     HWY_DYNAMIC_DISPATCH(Kick)(bodies, begin, end, warm_start == WarmStart::Again);
 }
 
-void advance(SolverBodies& bodies, std::size_t begin, std::size_t end, float h) {
-    HWY_DYNAMIC_DISPATCH(Advance)(bodies, begin, end, h);
+float advance(SolverBodies& bodies, std::size_t begin, std::size_t end, float h) {
+    return HWY_DYNAMIC_DISPATCH(Advance)(bodies, begin, end, h);
 }
 
 }  // namespace dynamics

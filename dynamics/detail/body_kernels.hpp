@@ -14,7 +14,7 @@ enum class WarmStart { First, Again };
 /// Lever arms stay as they are over a step, so that equals applying each contact's accumulated impulse anew.
 void kick(SolverBodies& bodies, std::size_t begin, std::size_t end, WarmStart warm_start);
 
-/// Advances shift and turn of the rows [begin, end) by `h` at their velocities.
-void advance(SolverBodies& bodies, std::size_t begin, std::size_t end, float h);
+/// Advances shift and turn of the rows [begin, end) by `h` at their velocities. @return the greatest square of a spin among them.
+float advance(SolverBodies& bodies, std::size_t begin, std::size_t end, float h);
 
 }  // namespace carom::dynamics

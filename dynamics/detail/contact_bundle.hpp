@@ -8,6 +8,7 @@
 #include <carom/core/bundle.hpp>
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <vector>
 
@@ -25,10 +26,10 @@ struct alignas(64) SolverBody {
     float turn[4] = {0, 0, 0, 1};        ///< change of orientation, quaternion x y z w
 };
 
-/// Inverse mass and inverse inertia in world axes, constant over the step.
+/// Inverse mass and inverse inertia in world axes, constant over the step but for bodies that turn fast (turning_rows.hpp).
 struct alignas(32) SolverMass {
     float diagonal[4] = {};  ///< Ixx Iyy Izz and the inverse mass
-    float others[4] = {};    ///< Ixy Ixz Iyz, unused
+    float others[4] = {};    ///< Ixy Ixz Iyz, and the square of the spin that is fast [rad²/s²]
 };
 
 /// What a substep starts from, before any impulse of its contacts, and the kick that each brings.
@@ -70,11 +71,12 @@ struct alignas(64) ContactBundle {
     Wide<float> turns_a{}, turns_b{};     ///< 0 where the body is a ball: its contact point does not turn with it; 1 elsewhere
     Wide<float> bias_rate{}, mass_scale{}, impulse_scale{};  ///< soft contact (see soft_contact)
     Wide<float> push_limit{};             ///< overlap is removed at this speed at most [m/s]
-    std::array<PointLanes, 4> points{};
     Wide<std::uint32_t> manifold{};       ///< index of the manifold; kUnusedLane where there is none
+    PointLanes* points = nullptr;         ///< as many as some lane has: most manifolds have one or two of four
     std::int32_t point_count = 0;         ///< the largest of its lanes
     std::int32_t deep = 0;                ///< points whose push-out is limited
 };
+static_assert(offsetof(ContactBundle, manifold) % sizeof(Wide<float>) == 0, "lanes are loaded from where they are aligned");
 inline constexpr std::uint32_t kUnusedLane = ~std::uint32_t{0};
 
 /// The bodies in contact of one step. Rows [0, movable) are dynamic, then come kinematic ones, the last never moves.

@@ -40,14 +40,16 @@ void ContactSolver::list_warm_start() { list_contacts(Stage::WarmStart, {.work =
 
 void ContactSolver::list_pass(bool bias) {
     const SolveSettings settings{.inverse_h = static_cast<float>(1.0 / settings_.substep()), .bias = bias, .gaps_known = gaps_known_};
-    list_contacts(bias ? Stage::Solve : Stage::Relax, {.work = Work::Solve, .settings = settings});
+    list_contacts(bias ? Stage::Solve : Stage::Relax, {.work = Work::Solve, .settings = settings, .substep = moves_listed_});
     gaps_known_ = true;
 }
 
 void ContactSolver::list_positions() {
     gaps_known_ = false;
-    list(slot_of_row_.size(), Stage::Positions, {.work = Work::Advance}, all_parts_.data());
+    if (round_.any()) list(1, Stage::Positions, {.work = Work::Show});
+    list(slot_of_row_.size(), Stage::Positions, {.work = Work::Advance, .substep = ++moves_listed_}, all_parts_.data());
     if (slender_.any()) list(1, Stage::Positions, {.work = Work::Swing});
+    if (round_.any()) list(1, Stage::Positions, {.work = Work::Hide});
 }
 
 void ContactSolver::run_listed(Executor& executor, std::span<double> milliseconds) {
@@ -57,6 +59,14 @@ void ContactSolver::run_listed(Executor& executor, std::span<double> millisecond
         [this](std::size_t phase, std::size_t begin, std::size_t end) { run_task(tasks_[phase], begin, end); }, milliseconds);
     phases_.clear();
     tasks_.clear();
+}
+
+// Where bodies have moved since the last pass, the inertia of some may have, too.
+bool ContactSolver::renews(const Task& task) const noexcept { return !task.settings.gaps_known && turning_.renewed_any(task.substep); }
+
+void ContactSolver::solve(std::span<ContactBundle> some, const Task& task) {
+    if (renews(task)) renew_masses(some, rows_, turning_.renewed());
+    dynamics::solve(some, rows_, task.settings);
 }
 
 void ContactSolver::run_task(const Task& task, std::size_t begin, std::size_t end) {
@@ -76,11 +86,17 @@ void ContactSolver::run_task(const Task& task, std::size_t begin, std::size_t en
         case Work::Precess:
             slender_.precess(rows_);
             break;
+        case Work::Show:
+            round_.show(rows_);
+            break;
+        case Work::Hide:
+            round_.hide(rows_);
+            break;
         case Work::WarmStart:
             for_some([&](std::span<ContactBundle> some) { dynamics::warm_start(some, rows_); });
             break;
         case Work::Solve:
-            for_some([&](std::span<ContactBundle> some) { dynamics::solve(some, rows_, task.settings); });
+            for_some([&](std::span<ContactBundle> some) { solve(some, task); });
             break;
         case Work::WarmStartRest:
             for (std::size_t i = 0; i < overflow.size(); ++i) dynamics::warm_start(overflow.subspan(i, 1), rows_);
@@ -88,12 +104,13 @@ void ContactSolver::run_task(const Task& task, std::size_t begin, std::size_t en
             rules_.lock(rows_);
             break;
         case Work::SolveRest:
-            for (std::size_t i = 0; i < overflow.size(); ++i) dynamics::solve(overflow.subspan(i, 1), rows_, task.settings);
+            for (std::size_t i = 0; i < overflow.size(); ++i) solve(overflow.subspan(i, 1), task);
+            if (renews(task)) rolling_.renew(rows_, turning_.renewed());
             rolling_.solve(rows_, bundles_);
             rules_.lock(rows_);
             break;
         case Work::Advance:
-            advance(rows_, begin, end, static_cast<float>(settings_.substep()));
+            turning_.advance(rows_, begin, end, task.substep);
             break;
         case Work::Swing:
             slender_.swing(rows_);

@@ -1,5 +1,4 @@
-// A contact set that changes in places.
-#include <carom/dynamics/detail/contact_set.hpp>
+#include <carom/dynamics/detail/contact_patch.hpp>
 
 #include <algorithm>
 
@@ -12,21 +11,18 @@ public:
 
     /// Manifolds [first, end) of `found` are all that the pair has now.
     void replace(ContactPair& pair, std::uint32_t first, std::uint32_t end) {
-        const std::uint32_t count = end - first;
-        if (count == pair.manifold_count) {
-            for (std::uint32_t m = 0; m < count; ++m) {
-                ManifoldImpulses impulses;
-                carry_impulses(found_[first + m], impulses, set_, pair, 1.0f);
-                carried().push_back(impulses);
-            }
-            for (std::uint32_t m = 0; m < count; ++m) put(pair.first_manifold + m, first + m, carried()[m]);
-            carried().clear();
-            for (std::uint32_t m = 0; m < count; ++m) changes_.replaced.push_back(pair.first_manifold + m);
-            return;
+        note_points(pair);
+        if (end - first != pair.manifold_count) {
+            drop(pair);
+            return append(pair, first, end);
         }
-        const ContactPair old = pair;
-        append(pair, first, end, &old);
-        drop(old);
+        pair.point_count = 0;
+        for (std::uint32_t m = pair.first_manifold; first < end; ++m, ++first) {
+            const std::uint32_t number = set_.manifolds[m].pair;
+            put(pair, m, first);
+            set_.manifolds[m].pair = number;
+            changes_.replaced.push_back(m);
+        }
     }
 
     void drop(const ContactPair& pair) {
@@ -38,27 +34,37 @@ public:
         }
     }
 
-    /// @param old  where impulses come from; null: from nowhere
-    void append(ContactPair& pair, std::uint32_t first, std::uint32_t end, const ContactPair* old) {
-        pair.first_manifold = static_cast<std::uint32_t>(set_.manifolds.size());
-        pair.manifold_count = end - first;
-        for (std::uint32_t m = first; m < end; ++m) {
-            ManifoldImpulses impulses{};
-            if (old != nullptr) carry_impulses(found_[m], impulses, set_, *old, 1.0f);
-            changes_.added.push_back(static_cast<std::uint32_t>(set_.manifolds.size()));
-            set_.manifolds.push_back(found_[m]);
-            set_.impulses.push_back(impulses);
-        }
+    void add(ContactPair& pair, std::uint32_t first, std::uint32_t end) {
+        changes_.points.clear();
+        append(pair, first, end);
     }
 
 private:
-    [[nodiscard]] std::vector<ManifoldImpulses>& carried() noexcept { return changes_.impulses; }
+    /// What the pair has, for the manifolds that come in its place.
+    void note_points(const ContactPair& pair) {
+        changes_.points.clear();
+        for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
+            for (std::size_t k = 0; k < set_.manifolds[m].count; ++k) changes_.points.push_back({set_.manifolds[m].points[k].feature, set_.impulses[m][k]});
+        }
+    }
 
-    void put(std::uint32_t m, std::uint32_t from, const ManifoldImpulses& impulses) {
-        const std::uint32_t pair = set_.manifolds[m].pair;
+    void append(ContactPair& pair, std::uint32_t first, std::uint32_t end) {
+        pair.first_manifold = static_cast<std::uint32_t>(set_.manifolds.size());
+        pair.manifold_count = end - first;
+        pair.point_count = 0;
+        for (; first < end; ++first) {
+            const auto m = static_cast<std::uint32_t>(set_.manifolds.size());
+            set_.manifolds.emplace_back();
+            set_.impulses.emplace_back();
+            put(pair, m, first);
+            changes_.added.push_back(m);
+        }
+    }
+
+    void put(ContactPair& pair, std::uint32_t m, std::uint32_t from) {
         set_.manifolds[m] = found_[from];
-        set_.manifolds[m].pair = pair;
-        set_.impulses[m] = impulses;
+        pair.point_count += found_[from].count;
+        carry_impulses(found_[from], changes_.points, 1.0f, set_.impulses[m]);
     }
 
     ContactSet& set_;
@@ -110,7 +116,7 @@ void patch_contacts(ContactSet& contacts, std::span<const ContactPair> looked, s
         } else if (next > first) {
             copy_up_to(p);
             changes.pairs.push_back(looked[k]);
-            patch.append(changes.pairs.back(), first, next, nullptr);
+            patch.add(changes.pairs.back(), first, next);
         }
     }
     pass_until(~std::uint64_t{0});

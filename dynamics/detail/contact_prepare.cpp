@@ -77,14 +77,8 @@ struct WidePoint {
     Mask used;
 };
 
-CAROM_PASS_INLINE void prepare_point(PointLanes& p, int lane, const WideManifold& m, const WidePoint& point, const Basis& basis,
-                                     const Masses& masses) {
-    const Floats zero = broadcast(0.0f);
-    const Mask used = point.used;
-    const Floats3 none{zero, zero, zero};
-    const Floats3 ra = to_frame(basis, select(used, m.origin_a + point.position, none));
-    const Floats3 rb = to_frame(basis, select(used, m.origin_b + point.position, none));
-    put3(p.a, lane, ra), put3(p.b, lane, rb);
+/// Effective masses of a point at its lever arms.
+CAROM_PASS_INLINE void put_masses(PointLanes& p, int lane, const Floats3& ra, const Floats3& rb, const Masses& masses, Mask used) {
     const Response a = response(masses.a, ra), b = response(masses.b, rb);
     put(p.normal_mass, lane, inverse_or_zero(masses.linear + (a.nn + b.nn), used));
     const Floats k11 = masses.linear + (a.k11 + b.k11), k22 = masses.linear + (a.k22 + b.k22), k12 = a.k12 + b.k12;
@@ -95,6 +89,17 @@ CAROM_PASS_INLINE void prepare_point(PointLanes& p, int lane, const WideManifold
     const Floats off_diagonal = k12 / scale;
     const Floats largest = trace * (broadcast(0.5f) + sqrt(half_difference * half_difference + off_diagonal * off_diagonal));
     put(p.tangent_mass, lane, inverse_or_zero(largest, used));
+}
+
+CAROM_PASS_INLINE void prepare_point(PointLanes& p, int lane, const WideManifold& m, const WidePoint& point, const Basis& basis,
+                                     const Masses& masses) {
+    const Floats zero = broadcast(0.0f);
+    const Mask used = point.used;
+    const Floats3 none{zero, zero, zero};
+    const Floats3 ra = to_frame(basis, select(used, m.origin_a + point.position, none));
+    const Floats3 rb = to_frame(basis, select(used, m.origin_b + point.position, none));
+    put3(p.a, lane, ra), put3(p.b, lane, rb);
+    put_masses(p, lane, ra, rb, masses, used);
     put(p.separation, lane, point.separation);
     put(p.normal_impulse, lane, point.normal_impulse);
     put(p.tangent_impulse_1, lane, dot(point.friction_impulse, basis.t1));
@@ -178,6 +183,31 @@ void PrepareBundles(std::span<ContactBundle> bundles, const PrepareInput& in) {
     for (ContactBundle& c : bundles) prepare_bundle(c, in);
 }
 
+bool any_changed(const ContactBundle& c, const unsigned char* changed) {
+    unsigned found = 0;
+    for (int lane = 0; lane < kBundleWidth; ++lane) {
+        const auto i = static_cast<std::size_t>(lane);
+        found |= static_cast<unsigned>(changed[c.row_a[i]] | changed[c.row_b[i]]);
+    }
+    return found != 0;
+}
+
+void RenewMasses(std::span<ContactBundle> bundles, const SolverBodies& bodies, const unsigned char* changed) {
+    for (ContactBundle& c : bundles) {
+        if (!any_changed(c, changed)) continue;
+        for (int lane = 0; lane < kBundleWidth; lane += kLanes) {
+            const Basis basis = make_basis(c, lane);
+            const Symmetric inertia_a = turn_mass(bodies, c.row_a.data() + lane, basis, c.a, lane);
+            const Symmetric inertia_b = turn_mass(bodies, c.row_b.data() + lane, basis, c.b, lane);
+            const Masses masses{inertia_a, inertia_b, get(c.a.inverse_mass, lane) + get(c.b.inverse_mass, lane)};
+            for (int k = 0; k < c.point_count; ++k) {
+                PointLanes& p = c.points[static_cast<std::size_t>(k)];
+                put_masses(p, lane, get3(p.a, lane), get3(p.b, lane), masses, get(p.tangent_mass, lane) > broadcast(0.0f));
+            }
+        }
+    }
+}
+
 void StoreImpulses(std::span<const ContactBundle> bundles, std::span<dynamics::ManifoldImpulses> impulses) {
     auto* const to = reinterpret_cast<float*>(impulses.data());
     constexpr std::int32_t kNowhere = std::numeric_limits<std::int32_t>::max();
@@ -222,6 +252,7 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace carom {
 HWY_EXPORT(PrepareBundles);
+HWY_EXPORT(RenewMasses);
 HWY_EXPORT(StoreImpulses);
 HWY_EXPORT(CarryGaps);
 
@@ -230,6 +261,11 @@ namespace dynamics {
 void prepare_bundles(std::span<ContactBundle> bundles, const PrepareInput& input) {
     CAROM_ASSERT(input.rows.size() == input.manifolds.size() + 1);
     HWY_DYNAMIC_DISPATCH(PrepareBundles)(bundles, input);
+}
+
+void renew_masses(std::span<ContactBundle> bundles, const SolverBodies& bodies, std::span<const unsigned char> changed) {
+    CAROM_ASSERT(changed.size() == bodies.bodies.size());
+    HWY_DYNAMIC_DISPATCH(RenewMasses)(bundles, bodies, changed.data());
 }
 
 void store_impulses(std::span<const ContactBundle> bundles, std::span<ManifoldImpulses> impulses) {

@@ -43,6 +43,9 @@ void prepare_bundles(std::span<ContactBundle> bundles, const PrepareInput& input
 /// Takes the gap that the last pass found for each point's separation, here and in its manifold: the next step begins where this one ended.
 void carry_gaps(std::span<ContactBundle> bundles, std::span<Manifold> manifolds);
 
+/// Effective masses anew, of bundles with a row that is 1 in `changed`: the inverse inertias of these have changed.
+void renew_masses(std::span<ContactBundle> bundles, const SolverBodies& bodies, std::span<const unsigned char> changed);
+
 /// Writes the accumulated impulses of all lanes to their contacts.
 void store_impulses(std::span<const ContactBundle> bundles, std::span<ManifoldImpulses> impulses);
 

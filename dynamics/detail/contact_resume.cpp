@@ -13,13 +13,13 @@
 namespace carom::dynamics {
 namespace {
 
-static_assert(sizeof(PointLanes) % sizeof(Wide<float>) == 0 && sizeof(ContactBundle) % sizeof(Wide<float>) == 0);
+static_assert(sizeof(PointLanes) % sizeof(Wide<float>) == 0 && offsetof(ContactBundle, points) % sizeof(Wide<float>) == 0);
 /// A bundle has as many points as that of its lanes that has most: lanes that get more make them more, until they are laid out anew. They are counted, and not
 /// the points of the bundles, since which lanes share a bundle depends on the number of threads.
 constexpr std::size_t kMostGrown = 8;  // in so many bundles, one lane
 constexpr std::size_t kNumber = sizeof(float);
 constexpr std::size_t kRowsOfPoint = sizeof(PointLanes) / sizeof(Wide<float>);
-constexpr std::size_t kRowsOfHead = offsetof(ContactBundle, points) / sizeof(Wide<float>);
+constexpr std::size_t kRowsOfHead = offsetof(ContactBundle, points) / sizeof(Wide<float>);  // the last is of manifolds
 
 /// All that a bundle has of a lane, as many points of it as `to` has.
 void copy_lane(const ContactBundle& from, std::size_t source, ContactBundle& to, std::size_t lane) {
@@ -29,8 +29,7 @@ void copy_lane(const ContactBundle& from, std::size_t source, ContactBundle& to,
         for (std::size_t row = 0; row < rows; ++row) std::memcpy(b + row * sizeof(Wide<float>), a + row * sizeof(Wide<float>), kNumber);
     };
     copy_rows(&from, &to, kRowsOfHead);
-    copy_rows(from.points.data(), to.points.data(), static_cast<std::size_t>(to.point_count) * kRowsOfPoint);
-    to.manifold[lane] = from.manifold[source];
+    copy_rows(from.points, to.points, static_cast<std::size_t>(to.point_count) * kRowsOfPoint);
 }
 
 /// Points of a lane whose push-out is limited.
@@ -154,6 +153,8 @@ bool ContactSolver::resume(const ContactSet& contacts, const ContactChanges& cha
     fill_rows(bodies, executor);
     rules_.list(bodies, slot_of_row_, rows_.movable, settings.substep());
     slender_.list(bodies, slot_of_row_, is_slender_, settings.dt, settings.substeps);
+    is_left_out_.assign(is_slender_.begin(), is_slender_.end());
+    round_.list(proxies, bodies, row_of_slot_, is_left_out_, settings.dt);
     fill_changed_rows(contacts, changes, proxies, bodies);
     moves_.clear();
     places_of_.resize(contacts.manifolds.size(), kNowhere);
@@ -176,6 +177,7 @@ bool ContactSolver::resume(const ContactSet& contacts, const ContactChanges& cha
     deep_count_ = 0;
     for (const ContactBundle& bundle : bundles_) deep_count_ += static_cast<std::size_t>(bundle.deep);
     gaps_known_ = false;
+    moves_listed_ = 0;
     is_whole_ = true;
     return true;
 }
@@ -200,14 +202,24 @@ void ContactSolver::fill_changed_rows(const ContactSet& contacts, const ContactC
     }
 }
 
+void ContactSolver::make_room(ContactBundle& bundle, std::int32_t points) {
+    std::array<PointLanes, kMaxManifoldPoints>& room = more_points_.emplace_back();
+    std::copy(bundle.points, bundle.points + bundle.point_count, room.begin());
+    bundle.points = room.data();
+    bundle.point_count = points;
+}
+
 // Sixteen side by side, as prepare() does it, and then each to its place.
 void ContactSolver::fill_moves(const ContactSet& contacts) {
     const FlushToZero no_denormals;  // as in prepare()
     const PrepareInput input{manifold_rows_, contacts.manifolds, contacts.impulses, rows_, soft_, soft_fixed_};
     ContactBundle some;
+    std::array<PointLanes, kMaxManifoldPoints> points_of_some;
     for (std::size_t first = 0; first < moves_.size(); first += kLanesPerBundle) {
         const std::size_t count = std::min<std::size_t>(kLanesPerBundle, moves_.size() - first);
         some = ContactBundle{};
+        points_of_some.fill({});
+        some.points = points_of_some.data();
         some.manifold.fill(kUnusedLane);
         for (std::size_t lane = 0; lane < count; ++lane) some.manifold[lane] = moves_[first + lane].manifold;
         prepare_bundles({&some, 1}, input);
@@ -218,7 +230,7 @@ void ContactSolver::fill_moves(const ContactSet& contacts) {
             const std::int32_t deep = deep_in(to, into);
             const std::uint32_t manifold = moves_[first + lane].manifold;
             const std::int32_t points = manifold == kUnusedLane ? 0 : manifold_rows_[manifold].count;
-            for (; to.point_count < points; ++to.point_count) to.points[static_cast<std::size_t>(to.point_count)] = PointLanes{};
+            if (to.point_count < points) make_room(to, points);
             copy_lane(some, lane, to, into);
             CAROM_ASSERT(is_alone(to, into, rows_.movable));
             to.deep += deep_in(to, into) - deep;

@@ -1,47 +1,11 @@
 #include <carom/dynamics/detail/contact_set.hpp>
 
+#include <carom/dynamics/detail/carried_contacts.hpp>
+#include <carom/dynamics/detail/room.hpp>
+
 #include <algorithm>
 
 namespace carom::dynamics {
-namespace {
-
-/// The n-th point of the pair that has the feature, n from 0; null where there are not so many.
-const PointImpulse* find_impulse(const ContactSet& set, const ContactPair& pair, std::uint64_t feature, int n) {
-    for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
-        for (std::size_t k = 0; k < set.manifolds[m].count; ++k) {
-            if (set.manifolds[m].points[k].feature == feature && n-- == 0) return &set.impulses[m][k];
-        }
-    }
-    return nullptr;
-}
-
-// Points that are not used have a feature of 0.
-bool has_same_points(const Manifold& a, const Manifold& b) {
-    std::uint64_t difference = a.count ^ b.count;
-    for (std::size_t k = 0; k < kMaxManifoldPoints; ++k) difference |= a.points[k].feature ^ b.points[k].feature;
-    return difference == 0;
-}
-
-}  // namespace
-
-void carry_impulses(const Manifold& manifold, ManifoldImpulses& impulses, const ContactSet& before, const ContactPair& old_pair, float scale) {
-    // Nearly always: one manifold, and its points in the order they had.
-    if (old_pair.manifold_count == 1 && has_same_points(manifold, before.manifolds[old_pair.first_manifold])) {
-        const ManifoldImpulses& old = before.impulses[old_pair.first_manifold];
-        for (std::size_t k = 0; k < kMaxManifoldPoints; ++k) impulses[k] = {scale * old[k].normal, scale * old[k].friction};
-        return;
-    }
-    impulses = {};
-    for (std::size_t k = 0; k < manifold.count; ++k) {
-        const std::uint64_t feature = manifold.points[k].feature;
-        int twins = 0;
-        for (std::size_t earlier = 0; earlier < k; ++earlier) twins += manifold.points[earlier].feature == feature;
-        if (const PointImpulse* old = find_impulse(before, old_pair, feature, twins)) {
-            impulses[k] = {scale * old->normal, scale * old->friction};
-        }
-    }
-}
-
 namespace {
 
 /// The mean is the sum until all are in. Without branches: which points overlap is anybody's guess.
@@ -114,6 +78,7 @@ ContactSummary link_part(ContactSet& contacts, FunctionRef<ContactPair(std::uint
         pair.manifold_count = next - first;
         for (std::uint32_t m = first; m < next; ++m) {
             manifolds[m].pair = static_cast<std::uint32_t>(i);
+            pair.point_count += manifolds[m].count;
             sum_up(manifolds[m], sum);
         }
     }
@@ -121,17 +86,16 @@ ContactSummary link_part(ContactSet& contacts, FunctionRef<ContactPair(std::uint
 }
 
 /// Of pairs [begin, end), which are linked.
-void carry_part(ContactSet& contacts, const ContactSet& before, float scale, std::size_t begin, std::size_t end) {
-    const std::vector<ContactPair>& old_pairs = before.pairs;
-    auto old = std::ranges::lower_bound(old_pairs, contacts.pairs[begin].key, {}, &ContactPair::key);
+void carry_part(ContactSet& contacts, const CarriedContacts& before, float scale, std::size_t begin, std::size_t end) {
+    const std::span<const CarriedPair> old_pairs = before.pairs();
+    auto old = std::ranges::lower_bound(old_pairs, contacts.pairs[begin].key, {}, &CarriedPair::key);
     for (std::size_t i = begin; i < end; ++i) {
         const ContactPair& pair = contacts.pairs[i];
         while (old != old_pairs.end() && old->key < pair.key) ++old;
-        // Slots are reused: the same key with another generation is another pair.
-        const bool known = old != old_pairs.end() && old->key == pair.key && old->shape_a == pair.shape_a && old->shape_b == pair.shape_b;
+        const bool known = old != old_pairs.end() && old->is(pair);
         for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
             if (known) {
-                carry_impulses(contacts.manifolds[m], contacts.impulses[m], before, *old, scale);
+                carry_impulses(contacts.manifolds[m], before.points_of(*old), scale, contacts.impulses[m]);
             } else {
                 contacts.impulses[m] = {};
             }
@@ -147,7 +111,15 @@ void sum_up(ContactSet& contacts) {
     finish(contacts.summary);
 }
 
-void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t candidate)> make, const ContactSet& before, float scale,
+void ContactSet::trim() {
+    trim_kept(pairs);
+    trim_kept(manifolds);
+    trim_kept(impulses);
+    trim_kept(order);
+    trim_scratch(firsts);
+}
+
+void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t candidate)> make, const CarriedContacts& before, float scale,
                     Executor& executor) {
     list_firsts(contacts, executor);
     const std::size_t count = contacts.firsts.size() - 1;

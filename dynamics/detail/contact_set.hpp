@@ -20,6 +20,7 @@ struct ContactPair {
     BodyId body_a, body_b;
     std::uint32_t proxy_a = 0, proxy_b = 0;  ///< slots of the shapes
     std::uint32_t first_manifold = 0, manifold_count = 0;
+    std::uint32_t point_count = 0;           ///< of these manifolds together
     bool flies = false;  ///< the two bounce or pass, and nothing holds either: not the solver's (impacts.hpp)
 };
 
@@ -62,36 +63,20 @@ struct ContactSet {
         manifolds.clear();
         impulses.clear();
     }
+    /// Gives memory back where much more is held than needed (room.hpp).
+    void trim();
 };
+
+class CarriedContacts;
 
 /// Makes a pair of each candidate that has manifolds, by `make` and in their order, numbers the manifolds' pairs by it, and sums the manifolds
 /// up. Gives each point the impulses that the point of the same feature and the same pair had in `before`, times `scale` (the ratio of the
-/// substeps: forces stay, impulses do not); zero where it is new. Where several points share a feature, the n-th gets the n-th one's.
+/// substeps: forces stay, impulses do not); zero where it is new (carry_impulses() has the rule).
 /// In parts of fixed length: the same bits on every number of threads. Cost: linear in the two sets.
-void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t candidate)> make, const ContactSet& before, float scale,
+void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t candidate)> make, const CarriedContacts& before, float scale,
                     Executor& executor);
-
-/// Gives each point of a manifold the impulse that the point of the same feature had of `old_pair` in `before`, as above.
-void carry_impulses(const Manifold& manifold, ManifoldImpulses& impulses, const ContactSet& before, const ContactPair& old_pair, float scale);
 
 /// The summary, over all manifolds, in their order.
 void sum_up(ContactSet& contacts);
-
-/// What became of manifolds that were looked at anew, by number.
-struct ContactChanges {
-    std::vector<std::uint32_t> removed, replaced, added;
-    std::vector<ContactPair> pairs;          // scratch, as are these
-    std::vector<ManifoldImpulses> impulses;
-    void clear() noexcept { removed.clear(), replaced.clear(), added.clear(); }
-};
-
-/// Puts what was found of some pairs in place of what the set has of them; all others stay as they are and where they are. Impulses go from point
-/// to point as in link_manifolds(), at scale 1.
-/// @param looked   of each pair that was looked at what contact_pair() gives, without manifolds; sorted by key, in the set or not
-/// @param found    their manifolds, `pair` counted in `looked`
-/// @param may_end  whether a pair that was not looked at has none any more
-/// Cost: linear in the pairs.
-void patch_contacts(ContactSet& contacts, std::span<const ContactPair> looked, std::span<const Manifold> found,
-                    FunctionRef<bool(const ContactPair&)> may_end, ContactChanges& changes);
 
 }  // namespace carom::dynamics

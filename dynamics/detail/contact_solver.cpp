@@ -3,6 +3,7 @@
 #include <carom/core/flush_to_zero.hpp>
 #include <carom/dynamics/detail/body_kernels.hpp>
 #include <carom/dynamics/detail/integrator.hpp>
+#include <carom/dynamics/detail/room.hpp>
 
 #include <algorithm>
 #include <array>
@@ -30,11 +31,11 @@ void set(float (&out)[n], const dvec3& v) {
 
 dvec3 as_dvec3(const float (&v)[4]) { return {v[0], v[1], v[2]}; }
 
-/// What a substep changes the velocities of a row by, contacts apart; of a slender body without its precession.
-void set_kick(SolverBase& base, const BodyArrays& bodies, std::uint32_t slot, bool slender, const SolverSettings& settings) {
+/// What a substep changes the velocities of a row by, contacts apart; without the gyroscopic change of a body that gets it otherwise.
+void set_kick(SolverBase& base, const BodyArrays& bodies, std::uint32_t slot, bool precesses, const SolverSettings& settings) {
     const BodyState& state = bodies.states[slot];
     const BodyMass& mass = bodies.masses[slot];
-    dvec3 turn = slender ? dvec3{0.0} : gyroscopic_change(state, mass, settings.dt) / static_cast<double>(settings.substeps);
+    dvec3 turn = precesses ? dvec3{0.0} : gyroscopic_change(state, mass, settings.dt) / static_cast<double>(settings.substeps);
     if (!bodies.traits.empty()) turn += world_inverse_inertia(state, mass) * bodies.traits[slot].torque * settings.substep();
     set(base.turn, turn);
     set(base.kick, free_moves(mass.locked) * bodies.acceleration(slot, settings.gravity) * settings.substep());
@@ -49,6 +50,7 @@ void ContactSolver::prepare(const ContactSet& contacts, std::span<const unsigned
                             const BodyArrays& bodies, const SolverSettings& settings, Executor& executor) {
     settings_ = settings;
     gaps_known_ = false;
+    moves_listed_ = 0;
     const double h = settings.substep();
     const double frequency = settings.contact_rate / h;
     soft_ = soft_contact(frequency, settings.damping, h);
@@ -61,6 +63,9 @@ void ContactSolver::prepare(const ContactSet& contacts, std::span<const unsigned
     fill_rows(bodies, executor);
     rules_.list(bodies, slot_of_row_, rows_.movable, h);
     slender_.list(bodies, slot_of_row_, is_slender_, settings.dt, settings.substeps);
+    is_left_out_.assign(is_slender_.begin(), is_slender_.end());
+    for (const std::uint32_t slot : shared_) is_left_out_[static_cast<std::size_t>(row_of_slot_[slot])] = 1;
+    round_.list(proxies, bodies, row_of_slot_, is_left_out_, settings.dt);
     fill_sides(proxies, bodies, executor);
     fill_manifold_rows(contacts, executor);
     coloring_.color(contact_rows_, rows_.movable);
@@ -133,6 +138,7 @@ void ContactSolver::fill_rows(const BodyArrays& bodies, Executor& executor) {
     rows_.bases.resize(count + 1);
     is_slender_.assign(static_cast<std::size_t>(rows_.movable), 1);
     for (const std::uint32_t slot : shared_) is_slender_[static_cast<std::size_t>(row_of_slot_[slot])] = 0;  // joints turn their bodies as the rows do
+    turning_.begin(bodies, slot_of_row_, rows_.movable, settings_.dt, settings_.substeps);
     executor.parallel_for(count + 1, kBodyGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
             rows_.bodies[row] = {};
@@ -150,10 +156,14 @@ void ContactSolver::fill_rows(const BodyArrays& bodies, Executor& executor) {
             set(m.diagonal, inertia.diagonal);
             m.diagonal[3] = static_cast<float>(mass.inverse_mass);
             set(m.others, inertia.others);
+            const bool joined = is_slender_[row] == 0;
+            if (joined) TurningRows::ignore(m);
+            const bool turns = !joined && turning_.watch(row, m);
             if (!is_slender(mass)) is_slender_[row] = 0;
-            set_kick(rows_.bases[row], bodies, slot_of_row_[row], is_slender_[row] != 0, settings_);
+            set_kick(rows_.bases[row], bodies, slot_of_row_[row], turns || is_slender_[row] != 0, settings_);
         }
     });
+    turning_.finish(rows_);
 }
 
 // What a manifold's row needs of a shape.
@@ -273,6 +283,22 @@ void ContactSolver::lay_out_bundles() {
     }
     for (std::uint32_t i = 0; i < coloring_.overflow_count(); ++i)
         lanes_[first_overflow_bundle_ + i] = {starts.back() + i, starts.back() + i + 1};
+    deal_out_points();
+}
+
+void ContactSolver::deal_out_points() {
+    std::vector<std::uint32_t>& most = places_;  // of each bundle
+    most.assign(bundles_.size(), 0);
+    std::size_t sum = 0;
+    for (std::size_t b = 0; b < bundles_.size(); ++b) {
+        for (std::uint32_t i = lanes_[b].begin; i < lanes_[b].end; ++i)
+            most[b] = std::max(most[b], static_cast<std::uint32_t>(kinds_[lane_order_[i]] % kKinds));
+        sum += most[b];
+    }
+    points_.resize(sum);
+    more_points_.clear();
+    PointLanes* next = points_.data();
+    for (std::size_t b = 0; b < bundles_.size(); ++b) next = (bundles_[b].points = next) + most[b];
 }
 
 void ContactSolver::fill_lanes(ContactBundle& bundle) const {
@@ -310,6 +336,7 @@ void ContactSolver::carry_gaps(std::span<Manifold> manifolds, Executor& executor
 }
 
 void ContactSolver::store(BodyArrays& bodies, ContactSet& contacts, Executor& executor) {
+    round_.show(rows_);
     executor.parallel_for(static_cast<std::size_t>(rows_.movable), kBodyGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
             const SolverBody& r = rows_.bodies[row];
@@ -322,7 +349,22 @@ void ContactSolver::store(BodyArrays& bodies, ContactSet& contacts, Executor& ex
         }
     });
     slender_.store(bodies);
+    turning_.store(bodies);
     for_bundles(executor, [&](std::span<ContactBundle> some) { store_impulses(some, contacts.impulses); });
+}
+
+bool ContactSolver::is_roomy() const noexcept {
+    return dynamics::is_roomy(bundles_.capacity(), bundles_.size()) || dynamics::is_roomy(points_.capacity(), points_.size());
+}
+
+void ContactSolver::trim() {
+    is_whole_ = false;
+    trim_scratch(bundles_);
+    trim_scratch(points_);
+    trim_scratch(manifold_rows_);
+    trim_scratch(contact_rows_);
+    trim_scratch(kinds_);
+    trim_scratch(lane_order_);
 }
 
 }  // namespace carom::dynamics

@@ -13,17 +13,20 @@
 #include <carom/dynamics/detail/contact_bundle.hpp>
 #include <carom/dynamics/detail/contact_kernels.hpp>
 #include <carom/dynamics/detail/contact_prepare.hpp>
-#include <carom/dynamics/detail/contact_set.hpp>
+#include <carom/dynamics/detail/contact_patch.hpp>
 #include <carom/dynamics/detail/part_surface.hpp>
 #include <carom/dynamics/detail/phase_loop.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
 #include <carom/dynamics/detail/rolling_rows.hpp>
+#include <carom/dynamics/detail/round_rows.hpp>
 #include <carom/dynamics/detail/row_rules.hpp>
 #include <carom/dynamics/detail/slender.hpp>
+#include <carom/dynamics/detail/turning_rows.hpp>
 #include <carom/dynamics/stage.hpp>
 
 #include <array>
 #include <cstdint>
+#include <deque>
 #include <span>
 #include <vector>
 
@@ -76,10 +79,18 @@ public:
     /// Writes the bodies' new states and the contacts' impulses back.
     void store(BodyArrays& bodies, ContactSet& contacts, Executor& executor);
 
+    /// Gives memory back where much more is held than the last step needed (room.hpp).
+    void trim();
+    /// Whether trim() would give something back. It forgets what is in the bundles: carry_gaps() and resume() have to wait for the next prepare().
+    [[nodiscard]] bool is_roomy() const noexcept;
+
     /// @return whether any contact holds the body in `slot` in this step: it is the solver's, not the free integrator's.
     [[nodiscard]] bool holds(std::uint32_t slot) const noexcept { return slot < row_of_slot_.size() && row_of_slot_[slot] != kNoRow; }
     [[nodiscard]] std::size_t overflow_count() const noexcept { return coloring_.overflow_count(); }
     [[nodiscard]] std::size_t deep_count() const noexcept { return deep_count_; }
+    /// @return how many relax passes a substep needs. One leaves some of the push between bodies that many others hold, and what is left is energy: a heap in
+    /// which one point in 32 is deep, and more than 16 are, gets eight.
+    [[nodiscard]] int relaxations() const noexcept { return deep_count_ > 16 && 32 * deep_count_ > point_count_ ? 8 : 1; }
 
 private:
     static constexpr std::int32_t kNoRow = -1;
@@ -110,6 +121,7 @@ private:
     [[nodiscard]] std::size_t best_lane(std::uint32_t color, std::int32_t points) const;
     void move_up(std::uint32_t manifold);
     void fill_moves(const ContactSet& contacts);
+    void make_room(ContactBundle& bundle, std::int32_t points);
     [[nodiscard]] bool goes_on(std::span<const unsigned char> held, const SolverSettings& settings) const;
     void fill_changed_rows(const ContactSet& contacts, const ContactChanges& changes, const ProxySet& proxies, const BodyArrays& bodies);
     void fill_side(std::uint32_t slot, const ProxySet& proxies, const BodyArrays& bodies);
@@ -124,29 +136,38 @@ private:
     void sort_by_points();
     [[nodiscard]] std::uint8_t kind_of(const ManifoldRow& row) const;
     void lay_out_bundles();
+    /// Gives each bundle as many points as one of its lanes has.
+    void deal_out_points();
     void fill_lanes(ContactBundle& bundle) const;
     /// Calls `work` for all bundles, some at a time, from several threads.
     void for_bundles(Executor& executor, FunctionRef<void(std::span<ContactBundle> some)> work);
-    enum class Work : unsigned char { Kick, Damp, Precess, WarmStart, WarmStartRest, Solve, SolveRest, Advance, Swing };
+    enum class Work : unsigned char { Kick, Damp, Precess, Show, WarmStart, WarmStartRest, Solve, SolveRest, Advance, Swing, Hide };
     struct Task {
         Work work = Work::Kick;
         WarmStart warm_start = WarmStart::First;
         std::uint32_t first_bundle = 0;
         std::uint32_t first_color = 0, end_color = 0;  ///< where these differ, colours of few bundles, one after the other
         SolveSettings settings{};
+        int substep = 0;  ///< how often bodies have moved, this task included
     };
     void list(std::size_t count, Stage stage, const Task& task, const std::uint32_t* starts = nullptr);
     /// The colours one after the other, then what has to be alone.
     void list_contacts(Stage stage, const Task& task);
+    [[nodiscard]] bool renews(const Task& task) const noexcept;
+    void solve(std::span<ContactBundle> some, const Task& task);
     void run_task(const Task& task, std::size_t begin, std::size_t end);
 
     SolverSettings settings_;
+    int moves_listed_ = 0;     // of the step
     bool gaps_known_ = false;  ///< of the points in the bundles: no body has moved since
     SoftContact soft_, soft_fixed_;
     SolverBodies rows_;
     RowRules rules_;
     RollingRows rolling_;
     SlenderRows slender_;
+    TurningRows turning_;
+    RoundRows round_;
+    std::vector<unsigned char> is_left_out_;   // by row: of round_
     std::vector<unsigned char> is_slender_;    // by row
     std::vector<std::uint32_t> slot_of_row_;
     std::vector<std::int32_t> row_of_slot_;
@@ -165,6 +186,8 @@ private:
     std::vector<Color> colors_;
     std::vector<Lanes> lanes_;                 // of each bundle
     std::vector<ContactBundle> bundles_;
+    std::vector<PointLanes> points_;           // of the bundles, in their order
+    std::deque<std::array<PointLanes, kMaxManifoldPoints>> more_points_;  // of those that have more by now than they were laid out with
     std::uint32_t first_overflow_bundle_ = 0;  // these are solved one after the other
     std::size_t deep_count_ = 0;
     std::size_t point_count_ = 0;

@@ -13,6 +13,7 @@ namespace {
 
 // By how much a piece of a path may bend: shares of the smallest extent, and of the reach.
 constexpr double kBendShare = 0.01, kReachShare = 2e-4;
+constexpr double kTolerance = 1e-4;  // of the energy of a free rotation
 
 constexpr std::size_t kSlotGrain = 256;
 
@@ -96,8 +97,10 @@ bool Continuous::is_fast(const ContinuousScene& scene, std::uint32_t slot) const
         const double turn = size.reach * scene.dt, least = settings_.motion * size.extent;
         if (2.0 * (glm::dot(way, way) + turn * turn * glm::dot(state.spin, state.spin)) <= least * least) return false;
     }
-    const double motion = way_of(scene, slot);
-    return motion > (wish == Continuity::Always ? 0.0 : limit_of(scene, slot));
+    const double limit = wish == Continuity::Always ? 0.0 : limit_of(scene, slot);
+    const dvec3 way = scene.bodies.states[slot].pose.position - scene.start(slot).position;
+    if (glm::dot(way, way) > (1.0 + 0x1p-40) * limit * limit) return true;  // without a root
+    return way_of(scene, slot) > limit;
 }
 
 FollowFinding Continuous::finding_of(const ContinuousScene& scene, std::uint32_t slot) const {
@@ -158,21 +161,26 @@ bool Continuous::look(const ContinuousScene& scene) {
 }
 
 // A kinematic body goes where its velocity takes it, and what moves less than gravity may move it stays in its boxes.
-bool Continuous::may_stray(const ContinuousScene& scene, std::uint32_t slot) const {
-    if (scene.bodies.roles[slot] != Role::Dynamic || !is_usable(scene.bodies.states[slot], scene.dt)) return false;
+bool Continuous::goes_astray(const ContinuousScene& scene, std::uint32_t slot) const {
+    if (scene.bodies.roles[slot] != Role::Dynamic) return false;
+    const BodyWay step{scene.start(slot), scene.start_velocity(slot), scene.bodies.states[slot], scene.dt};
+    const auto proxies = std::span{proxies_}.subspan(first_proxy_[slot], first_proxy_[slot + 1] - first_proxy_[slot]);
+    const auto at_a_glance = [&](std::uint32_t proxy) { return surely_stays(scene.proxies, proxy, step); };
+    const auto first = std::find_if_not(proxies.begin(), proxies.end(), at_a_glance);
+    if (first == proxies.end()) return false;
+    const auto is_astray = [&](std::uint32_t proxy) { return strays(scene.proxies, proxy, step); };
+    if (!is_astray(*first) && std::none_of(first + 1, proxies.end(), [&](std::uint32_t proxy) { return !at_a_glance(proxy) && is_astray(proxy); })) {
+        return false;
+    }
     const double pulled = glm::length(scene.free_motion(slot).acceleration) * scene.dt * scene.dt;
-    return motion_of(scene.start(slot), scene.bodies.states[slot], sizes_[slot].reach, scene.dt) > pulled;
+    return is_usable(step.to, scene.dt) && motion_of(step.from, step.to, sizes_[slot].reach, scene.dt) > pulled;
 }
 
 void Continuous::list_strays(const ContinuousScene& scene) {
     is_stray_.resize(scene.bodies.roles.size());
     scene.executor.parallel_for(is_stray_.size(), kSlotGrain, [&](std::size_t begin, std::size_t end) {
         for (auto slot = static_cast<std::uint32_t>(begin); slot < end; ++slot) {
-            const auto proxies = std::span{proxies_}.subspan(first_proxy_[slot], first_proxy_[slot + 1] - first_proxy_[slot]);
-            const BodyWay step{scene.start(slot), scene.start_velocity(slot), scene.bodies.states[slot], scene.dt};
-            is_stray_[slot] = may_stray(scene, slot) && std::any_of(proxies.begin(), proxies.end(), [&](std::uint32_t proxy) {
-                return !surely_stays(scene.proxies, proxy, step) && strays(scene.proxies, proxy, step);
-            }) ? 1 : 0;
+            is_stray_[slot] = goes_astray(scene, slot) ? 1 : 0;
         }
     });
     list_marked(is_stray_, strays_);
@@ -188,14 +196,22 @@ BodyState Continuous::state_at(const ContinuousScene& scene, const Mover& mover,
         if (t > mover.since) integrate_free(state, scene.bodies.masses[mover.slot], mover.flight.motion, (t - mover.since) * scene.dt);
         return state;
     }
+    if (scene.bodies.roles[mover.slot] == Role::Static) return scene.bodies.states[mover.slot];
     BodyState state = scene.bodies.states[mover.slot];
     const BodyMass& mass = scene.bodies.masses[mover.slot];
     if (has_mass(scene.bodies.roles[mover.slot]) && is_slender(mass)) {
         return slender_before(state, mass, pose_at(mover.path.piece(BodyPath::kWhole), t), (1.0 - t) * scene.dt);
     }
-    const dvec3 spin = rotate_inverse(state.pose.orientation, state.spin);  // in the body, with which it turns
+    const dquat end = state.pose.orientation;
     state.pose = pose_at(mover.path.piece(BodyPath::kWhole), t);
-    state.spin = rotate(state.pose.orientation, spin);
+    if (!has_mass(scene.bodies.roles[mover.slot]) || (mass.locked & kLockedTurns) != 0) {
+        state.spin = rotate(state.pose.orientation, rotate_inverse(end, state.spin));  // in the body, with which it turns
+    } else if (mass.inertia != InertiaClass::Isotropic) {
+        // What it was if the body turned freely since. Carried to the attitude that it had it keeps the energy, and the angular momentum but for what contacts turned.
+        Rotation then{end, state.spin};
+        rotate_free(then, mass, (t - 1.0) * scene.dt, {.tolerance = kTolerance});
+        state.spin = rotate(state.pose.orientation, rotate_inverse(then.orientation, then.spin));
+    }
     return state;
 }
 
@@ -229,13 +245,16 @@ std::uint32_t Continuous::mover_of(const ContinuousScene& scene, std::uint32_t s
     number = static_cast<std::uint32_t>(mover_count_++);
     if (movers_.size() < mover_count_) movers_.resize(mover_count_);
     Mover& mover = movers_[number];
-    BodyPath path = std::move(mover.path);  // for its memory
-    mover = Mover();
     mover.slot = slot;
-    mover.path = std::move(path);
+    mover.since = 0.0;
+    mover.flies = mover.changed = mover.stopped = false;
+    mover.impacts = 0;
+    mover.version = 0;  // the path keeps its memory
     if (flies(scene, slot)) {
         mover.flies = true;
         mover.flight = {departures_[slot].start, scene.free_motion(slot)};
+    } else {
+        mover.flight = {};
     }
     lay_path(scene, mover);
     return number;
@@ -289,11 +308,8 @@ bool Continuous::may_meet(const ContinuousScene& scene, std::uint32_t p, std::ui
 
 void Continuous::note_way(std::uint32_t slot, const BodyPath& path) {
     std::uint32_t& number = number_of_stray_[slot];
-    if (number == kNone) {
-        number = static_cast<std::uint32_t>(stray_boxes_.size());
-        stray_boxes_.emplace_back();
-    }
-    stray_boxes_[number] = path.box(sizes_[slot].reach);
+    if (number == kNone) number = static_cast<std::uint32_t>(stray_boxes_.size());
+    stray_boxes_.set(number, path.box(sizes_[slot].reach));
 }
 
 void Continuous::for_each_near(const ContinuousScene& scene, const Mover& mover, std::uint32_t proxy, Ask ask, FunctionRef<void(std::uint32_t q)> visit) {
@@ -315,11 +331,11 @@ void Continuous::for_each_near(const ContinuousScene& scene, const Mover& mover,
     if (ask == Ask::Everybody) query_swept_box(scene.broadphase, at - round, at + round, way.translation, see);
     for (const std::uint32_t plane : scene.proxies.planes) see(plane);
     const Aabb box = box_of(way, reach);
-    for (std::size_t k = 0; k < strays_.size(); ++k) {  // visits may add some
+    stray_boxes_.for_each_meeting(box, [&](std::size_t k) {  // visits may add some
         const std::uint32_t slot = strays_[k];
-        if (!overlaps(box, stray_boxes_[k]) || slot == mover.slot) continue;
+        if (slot == mover.slot) return;
         for (std::uint32_t i = first_proxy_[slot]; i < first_proxy_[slot + 1]; ++i) see(proxies_[i]);
-    }
+    });
 }
 
 }  // namespace carom::dynamics

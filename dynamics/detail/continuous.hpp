@@ -17,6 +17,7 @@
 #include <carom/dynamics/detail/body_path.hpp>
 #include <carom/dynamics/detail/body_sizes.hpp>
 #include <carom/dynamics/detail/first_touch.hpp>
+#include <carom/dynamics/detail/grouped_boxes.hpp>
 #include <carom/dynamics/detail/meeting.hpp>
 #include <carom/dynamics/detail/path_touch.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
@@ -138,7 +139,7 @@ private:
     void list_strays(const ContinuousScene& scene);
     /// Of a stray, or of what has become one.
     void note_way(std::uint32_t slot, const BodyPath& path);
-    [[nodiscard]] bool may_stray(const ContinuousScene& scene, std::uint32_t slot) const;
+    [[nodiscard]] bool goes_astray(const ContinuousScene& scene, std::uint32_t slot) const;
 
     std::uint32_t mover_of(const ContinuousScene& scene, std::uint32_t slot);
     void lay_path(const ContinuousScene& scene, Mover& mover) const;
@@ -186,7 +187,7 @@ private:
     std::vector<std::uint32_t> fast_;          // slots
     std::vector<unsigned char> is_fast_;       // by slot
     std::vector<std::uint32_t> strays_;        // slots
-    std::vector<Aabb> stray_boxes_;            // that their ways lie in
+    GroupedBoxes stray_boxes_;                 // that their ways lie in; bodies of neighbouring slots mostly are near each other
     std::vector<std::uint32_t> number_of_stray_;  // by slot: in these
     std::vector<unsigned char> is_stray_;      // by slot
     std::vector<std::uint32_t> mover_of_slot_;

@@ -19,6 +19,9 @@ constexpr double kSquashed = 10.0;  // times the sag that is stiff
 constexpr std::uint64_t kLongestWait = 64, kLongestRefusal = 1024;
 /// A graph of so many bodies and links cannot be factorised in the budget: one operation for each at the least, and these piles have fill.
 constexpr std::size_t kLeastOperations = 8;
+/// An island that was too dear is so again while it has more than 15/16 of the bodies and of the contacts between them that it had: finding out takes as
+/// long as a few steps of it.
+constexpr std::size_t kShrunk = 16;
 /// All factorisations of a solve together may take this many times what one may, but four are always free.
 constexpr std::size_t kMostFactorisations = 20;
 /// What has not converged by then mostly will not; large islands cost too much to find out.
@@ -128,7 +131,7 @@ void DirectIslands::consider(const Island& island, const DirectWorld& world, con
         return;
     }
     memory.stiffness = stiffness_of(shape, step);
-    memory.too_large = !analyse(memory, island, world, step, choice.budget);
+    memory.too_large = !analyse(memory, island, world, choice.budget);
     if (memory.too_large) {
         ++counts_.too_large;
         leave_alone(memory, kLongestRefusal);
@@ -158,27 +161,36 @@ void DirectIslands::put_down(const Island& island, const DirectWorld& world, con
     tasks_.push_back({island, &memory});
 }
 
-bool DirectIslands::analyse(Memory& memory, const Island& island, const DirectWorld& world, const DirectStep& step, std::size_t budget) {
+bool DirectIslands::analyse(Memory& memory, const Island& island, const DirectWorld& world, std::size_t budget) {
     const std::span<const std::uint32_t> bodies = links_.bodies(island), manifolds = links_.manifolds(island);
     for (std::size_t i = 0; i < bodies.size(); ++i) local_of_slot_[bodies[i]] = static_cast<std::int32_t>(i);
     new_links_.clear();
     std::size_t joints = 0;
     for (const std::uint32_t m : manifolds) {
         const ContactPair& pair = world.contacts.pairs[world.contacts.manifolds[m].pair];
-        new_links_.push_back(std::uint64_t{pair.body_a.slot} << 32 | pair.body_b.slot);
-        new_links_.push_back(world.contacts.manifolds[m].count);
-        joints += local_of_slot_[pair.body_a.slot] != kNoBody && local_of_slot_[pair.body_b.slot] != kNoBody ? 1 : 0;
+        const std::int32_t a = local_of_slot_[pair.body_a.slot], b = local_of_slot_[pair.body_b.slot];
+        new_links_.push_back({a, b, world.contacts.manifolds[m].count});
+        joints += a != kNoBody && b != kNoBody ? 1 : 0;
     }
     const bool known = memory.analysed && std::ranges::equal(memory.slots, bodies) && memory.links == new_links_;
     if (known) return true;
     memory.analysed = false;
     if (bodies.size() > budget / kLeastOperations || joints > budget / kLeastOperations) return false;
+    const bool has_shrunk = kShrunk * bodies.size() < (kShrunk - 1) * memory.refused_bodies || kShrunk * joints < (kShrunk - 1) * memory.refused_joints;
+    if (step_ < memory.refused_until && !has_shrunk) return false;
+    const std::size_t orders = memory.newton.orders();
+    memory.analysed = memory.newton.analyse(bodies.size(), new_links_, budget);
+    counts_.ordered += memory.newton.orders() - orders;
+    if (!memory.analysed) {
+        memory.refused_until = step_ + kLongestRefusal;
+        memory.refused_bodies = bodies.size(), memory.refused_joints = joints;
+        return false;
+    }
+    memory.refused_until = 0;
     memory.slots.assign(bodies.begin(), bodies.end());
     memory.links = new_links_;
     memory.loads.assign(manifolds.size(), 0.0);
-    fill_problem(world, {bodies, manifolds, local_of_slot_, memory.loads}, memory.stiffness, step, memory.problem);
-    memory.analysed = memory.newton.analyse(memory.problem, budget);
-    return memory.analysed;
+    return true;
 }
 
 bool DirectIslands::solve_directly(Memory& memory, const IslandLists& island, const DirectWorld& world, const DirectStep& step) {

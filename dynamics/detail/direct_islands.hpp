@@ -50,9 +50,11 @@ private:
         std::uint64_t wait_until = 0;  // it is left to the soft solver before this step
         std::uint64_t wait = 0;        // that many steps the last time
         bool too_large = false;        // the last time that its graph was looked at
+        std::uint64_t refused_until = 0;  // and is taken to be, before this step, unless it has shrunk from so many bodies and contacts between them
+        std::size_t refused_bodies = 0, refused_joints = 0;
         bool analysed = false;
         std::vector<std::uint32_t> slots;    // what the analysis was made for
-        std::vector<std::uint64_t> links;
+        std::vector<ContactLink> links;
         std::vector<double> loads;  // that the stiffness of each manifold was chosen for [N]
         DirectProblem problem;
         DirectNewton newton;
@@ -71,7 +73,7 @@ private:
     /// @return whether it converged.
     static bool solve_directly(Memory& memory, const IslandLists& island, const DirectWorld& world, const DirectStep& step);
     static void solve_by_impulses(Memory& memory, const IslandLists& island, const DirectWorld& world, const DirectStep& step);
-    [[nodiscard]] bool analyse(Memory& memory, const Island& island, const DirectWorld& world, const DirectStep& step, std::size_t budget);
+    [[nodiscard]] bool analyse(Memory& memory, const Island& island, const DirectWorld& world, std::size_t budget);
     void leave_alone(Memory& memory, std::uint64_t most) const noexcept;
 
     std::uint64_t step_ = 0;
@@ -83,7 +85,7 @@ private:
     std::vector<std::int32_t> local_of_slot_;
     std::vector<std::unique_ptr<Memory>> memories_;  // by rising root
     std::vector<Task> tasks_;
-    std::vector<std::uint64_t> new_links_;
+    std::vector<ContactLink> new_links_;
     bool any_held_ = false;
     DirectCounts counts_;
 };

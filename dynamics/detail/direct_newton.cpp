@@ -36,24 +36,22 @@ double slip_speed(const DirectProblem& problem, const DirectContact& c) {
 
 }  // namespace
 
-bool DirectNewton::analyse(const DirectProblem& problem, std::size_t most_operations) {
+bool DirectNewton::analyse(std::size_t bodies, std::span<const ContactLink> links, std::size_t most_operations) {
     has_factor_ = false;
-    const std::size_t bodies = edge_bodies_;
+    const std::size_t before = edge_bodies_;
     before_.swap(edges_);
     edges_.clear();
     edge_of_.clear();
-    for (const DirectContact& c : problem.contacts) {
-        if (c.a == kNoBody || c.b == kNoBody) {
-            edge_of_.push_back(-1);
-            continue;
-        }
-        // The points of a manifold follow each other and share their edge.
-        if (edges_.empty() || !(edges_.back() == BlockEdge{c.a, c.b})) edges_.push_back({c.a, c.b});
-        edge_of_.push_back(static_cast<std::int32_t>(edges_.size()) - 1);
+    for (const ContactLink& link : links) {
+        const bool joins = link.a != kNoBody && link.b != kNoBody;
+        // Links that follow each other may share their edge.
+        if (joins && (edges_.empty() || !(edges_.back() == BlockEdge{link.a, link.b}))) edges_.push_back({link.a, link.b});
+        edge_of_.insert(edge_of_.end(), link.points, joins ? static_cast<std::int32_t>(edges_.size()) - 1 : -1);
     }
-    edge_bodies_ = problem.bodies.size();
-    if (bodies == edge_bodies_ && before_ == edges_) return true;
-    const bool affordable = factor_.analyse(static_cast<std::int32_t>(problem.bodies.size()), edges_, most_operations);
+    edge_bodies_ = bodies;
+    if (before == bodies && before_ == edges_) return true;
+    ++orders_;
+    const bool affordable = factor_.analyse(static_cast<std::int32_t>(bodies), edges_, most_operations);
     if (!affordable) edge_bodies_ = 0;
     return affordable;
 }

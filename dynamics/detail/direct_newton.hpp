@@ -1,7 +1,7 @@
 // Newton's method on the contact problem of an island, in blocks of 6 x 6, with an exact line search.
 //
 //   DirectNewton newton;
-//   if (newton.analyse(problem, 100'000)) {
+//   if (newton.analyse(problem.bodies.size(), links, 100'000)) {
 //       DirectResult r = newton.solve(problem, settings);
 //       if (r.converged) ...  // problem has the velocities and the impulses
 //   }
@@ -12,9 +12,18 @@
 #include <carom/dynamics/detail/friction_cone.hpp>
 
 #include <cstddef>
+#include <cstdint>
+#include <span>
 #include <vector>
 
 namespace carom::dynamics {
+
+/// Points that follow each other, between the same two bodies; either may be kNoBody.
+struct ContactLink {
+    std::int32_t a = kNoBody, b = kNoBody;
+    std::uint32_t points = 0;
+    friend bool operator==(const ContactLink&, const ContactLink&) = default;
+};
 
 struct DirectSettings {
     double speed_tolerance = 0.0;  ///< by which no body's velocity may miss its balance of momentum [m/s] > 0
@@ -36,9 +45,13 @@ struct DirectResult {
 /// an iteration takes. What it keeps changes how fast it converges, and the last digits.
 class DirectNewton {
 public:
+    /// Lays out the factor, anew where another two bodies touch than the last time. No more need be known of the problem than who touches whom.
+    /// @param links  of the problem's points, in their order.
     /// @return whether a factorisation takes at most `most_operations` of blocks.
-    [[nodiscard]] bool analyse(const DirectProblem& problem, std::size_t most_operations);
+    [[nodiscard]] bool analyse(std::size_t bodies, std::span<const ContactLink> links, std::size_t most_operations);
     [[nodiscard]] std::size_t operations() const noexcept { return factor_.operations(); }
+    /// How often an order of elimination was looked for.
+    [[nodiscard]] std::size_t orders() const noexcept { return orders_; }
 
     /// From the velocities that the problem comes with to those that solve it. Where it does not converge, they and the impulses mean nothing.
     /// Cost: an iteration is linear in contacts and in blocks of the factor; a factorisation takes operations() products of blocks.
@@ -68,6 +81,7 @@ private:
 
     BlockCholesky factor_;
     std::vector<BlockEdge> edges_, before_;
+    std::size_t orders_ = 0;
     std::size_t edge_bodies_ = 0;        // that the factor is laid out for, with edges_
     std::vector<std::int32_t> edge_of_;  // of each contact; -1 where one side is no body
     bool has_factor_ = false;

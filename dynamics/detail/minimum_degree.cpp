@@ -29,6 +29,17 @@ std::vector<Rows> neighbours_of(Row count, std::span<const BlockEdge> edges) {
 /// (degree, row), the least first: a total order.
 using Queue = std::set<std::pair<std::size_t, Row>>;
 
+/// Operations of a row that is coupled to `degree` others when it goes.
+std::size_t operations_of(std::size_t degree) { return 1 + degree + degree * (degree + 1) / 2; }
+
+/// What the rows left take at the least when one of `degree` has gone: the others are coupled with each other, so that the first of them to go takes
+/// operations_of(degree - 1), the next operations_of(degree - 2), and so on; any other row takes 1.
+std::size_t least_operations(std::size_t rows, std::size_t degree) {
+    std::size_t sum = rows - degree;
+    for (std::size_t d = 0; d < degree; ++d) sum += operations_of(d);
+    return sum;
+}
+
 }  // namespace
 
 bool order_by_minimum_degree(Row count, std::span<const BlockEdge> edges, std::size_t most_operations, EliminationOrder& order) {
@@ -42,8 +53,8 @@ bool order_by_minimum_degree(Row count, std::span<const BlockEdge> edges, std::s
     while (!queue.empty()) {
         const auto [degree, row] = *queue.begin();
         queue.erase(queue.begin());
-        order.operations += 1 + degree + degree * (degree + 1) / 2;
-        if (order.operations > most_operations) return false;
+        order.operations += operations_of(degree);
+        if (order.operations + least_operations(queue.size(), degree) > most_operations) return false;
         Rows& left = order.below[order.row_at.size()];
         left = std::move(neighbours[as_index(row)]);
         order.row_at.push_back(row);

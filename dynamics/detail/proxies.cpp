@@ -130,6 +130,22 @@ double room_for(const ProxySet& set, std::uint32_t i, const BodyState& state, do
     return (glm::length(state.velocity) + turning_reach(set, i) * glm::length(state.spin)) * dt <= kLeastStay * room ? room : -1.0;
 }
 
+bool is_round(const Proxy& proxy) {
+    const ShapeType type = type_of(proxy.shape);
+    if (type != ShapeType::Capsule && type != ShapeType::Cylinder && type != ShapeType::Cone) return false;
+    const dvec3 axis = rotate(proxy.local.orientation, dvec3{0.0, 1.0, 0.0});
+    return glm::length(glm::cross(axis, proxy.local.position)) <= 1e-9 * proxy.reach;
+}
+
+void list_rollers(ProxySet& set, const BodyArrays& bodies) {
+    set.rollers.clear();
+    std::vector<std::uint32_t> shapes(bodies.roles.size(), 0);
+    for (std::size_t i = 0; i < set.by_slot.size(); ++i) shapes[set.bodies[i]] += set.kinds[i] == ProxyKind::None ? 0 : 1;
+    for (std::uint32_t i = 0; i < set.by_slot.size(); ++i) {
+        if (set.kinds[i] == ProxyKind::Bounded && shapes[set.bodies[i]] == 1 && is_round(set.by_slot[i])) set.rollers.push_back(i);
+    }
+}
+
 void list_changes(ProxySet& set) {
     set.moved.clear();
     set.removed.clear();
@@ -218,6 +234,7 @@ void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& 
         for (std::size_t i = 0; i < set.by_slot.size(); ++i) {
             set.shapes[i] = set.kinds[i] == ProxyKind::None ? nullptr : &set.by_slot[i].shape;
         }
+        list_rollers(set, bodies);
     }
     set.changed = false;
     find_calm(set, bodies, motion, calm_share > 0.0, executor);

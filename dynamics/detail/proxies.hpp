@@ -108,6 +108,7 @@ struct ProxySet {
     std::vector<unsigned char> calm;      ///< 1: the box is the one of the update before, and holds the shape through this step as well
     std::vector<double> drift;            ///< of what is calm: how far a point may have come from where it was at its anchor [m]; 0 of what lies still
     std::vector<double> stay;             ///< of what has room: how far it may come before it is looked at again, less what forces do in a step; else 0 [m]
+    std::vector<std::uint32_t> rollers;   ///< slots of capsules, cylinders and cones about an axis through the centre of mass that are all their body has; as of the last update
     std::vector<std::uint32_t> planes;    ///< slots of the unbounded ones, ascending: the side list
     std::vector<std::uint32_t> moved;     ///< slots whose boxes the last update made anew, ascending
     std::vector<std::uint32_t> removed;   ///< slots that the broadphase has to let go

@@ -74,15 +74,25 @@ void RollingRows::list(const RollingInput& input, double h) {
             row.normal = dvec3{input.contacts.manifolds[pair.first_manifold + number].normal};
             row.rolling = static_cast<double>(resistance.rolling);
             row.torsion = static_cast<double>(resistance.torsion);
-            const Ease ease = ease_of(input.rows, row.a, row.b, row.normal);
-            row.rolling_mass = inverse_or_zero(ease.tangent);
-            row.torsion_mass = inverse_or_zero(ease.normal);
+            weigh(row, input.rows);
             const auto comes_before = [&](const Row& r) { return r.key != row.key ? r.key < row.key : r.number < number; };
             while (old < before_.size() && comes_before(before_[old])) ++old;
             if (old < before_.size() && before_[old].shape_a == row.shape_a && before_[old].shape_b == row.shape_b && before_[old].number == number) {
                 row.impulse = scale * before_[old].impulse;
             }
         }
+    }
+}
+
+void RollingRows::weigh(Row& row, const SolverBodies& rows) noexcept {
+    const Ease ease = ease_of(rows, row.a, row.b, row.normal);
+    row.rolling_mass = inverse_or_zero(ease.tangent);
+    row.torsion_mass = inverse_or_zero(ease.normal);
+}
+
+void RollingRows::renew(const SolverBodies& rows, std::span<const unsigned char> changed) noexcept {
+    for (Row& row : rows_) {
+        if ((changed[static_cast<std::size_t>(row.a)] | changed[static_cast<std::size_t>(row.b)]) != 0) weigh(row, rows);
     }
 }
 
@@ -104,7 +114,7 @@ void RollingRows::solve(SolverBodies& rows, std::span<const ContactBundle> bundl
     for (Row& row : rows_) {
         double load = 0.0;
         const ContactBundle& bundle = bundles[row.bundle];
-        for (const PointLanes& point : std::span{bundle.points}.first(static_cast<std::size_t>(bundle.point_count))) {
+        for (const PointLanes& point : std::span{bundle.points, static_cast<std::size_t>(bundle.point_count)}) {
             load += static_cast<double>(point.normal_impulse[row.lane]);
         }
         const dvec3 spin = spin_of(rows, row.b) - spin_of(rows, row.a);

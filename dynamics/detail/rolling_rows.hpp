@@ -32,6 +32,8 @@ public:
     void list(const RollingInput& input, double h);
     void warm_start(SolverBodies& rows) const noexcept;
     void solve(SolverBodies& rows, std::span<const ContactBundle> bundles) noexcept;
+    /// Of rows with a body that is 1 in `changed`, whose inverse inertia has changed.
+    void renew(const SolverBodies& rows, std::span<const unsigned char> changed) noexcept;
     /// There are none, and none are remembered.
     void clear() noexcept;
     [[nodiscard]] bool is_empty() const noexcept { return rows_.empty(); }
@@ -48,6 +50,7 @@ private:
         double rolling_mass = 0.0, torsion_mass = 0.0;  // [kg m²]
         dvec3 impulse{0.0};                            // torque times time on B, of a substep [N m s]
     };
+    static void weigh(Row& row, const SolverBodies& rows) noexcept;
     static void turn(SolverBodies& rows, const Row& row, const dvec3& impulse) noexcept;
     void find_lanes(const RollingInput& input);
 

@@ -14,11 +14,12 @@ constexpr double kRounding = 1e-12;  // far more than all of it, of the numbers 
 
 bool strays(const ProxySet& proxies, std::uint32_t proxy, const BodyWay& step) {
     const Proxy& p = proxies.by_slot[proxy];
-    const double turn = std::min(glm::length(step.to.spin) * step.dt, 2.0);
-    const Aabb ends = merge(bounds(p.shape, step.from * p.local), bounds(p.shape, step.to.pose * p.local));
-    const FloatAabb way = round_outward(inflate(ends, 0.5 * p.reach * turn * turn), proxies.origin);
-    const FloatAabb& known = proxies.boxes[proxy];
-    return glm::any(glm::lessThan(way.lower, known.lower)) || glm::any(glm::greaterThan(way.upper, known.upper));
+    const double turn = step.to.spin == dvec3{0.0} ? 0.0 : std::min(glm::length(step.to.spin) * step.dt, 2.0);
+    const bool is_ball = type_of(p.shape) == ShapeType::Sphere && p.local.position == dvec3{0.0};
+    Aabb ends = bounds(p.shape, is_ball ? step.to.pose : step.to.pose * p.local);
+    // Without a turn there is no bend, and the box of the start is in the one that the broadphase made of it.
+    if (turn != 0.0) ends = inflate(merge(bounds(p.shape, step.from * p.local), ends), 0.5 * p.reach * turn * turn);
+    return is_beyond(ends, proxies.origin, proxies.boxes[proxy]);
 }
 
 // The box that the broadphase has is that of the start, drawn along the velocity of then, and wider all round by what motion has beyond that. Against the
@@ -29,6 +30,8 @@ bool surely_stays(const ProxySet& proxies, std::uint32_t proxy, const BodyWay& s
         type_of(p.shape) == ShapeType::Compound)
         return false;
     const dvec3 path = step.velocity * step.dt, way = step.to.pose.position - step.from.position;
+    const double most = proxies.motion[proxy] - kRounding * p.reach;
+    if (!(most > 0.0 && most * most > (1.0 + 2.0 * kRounding) * glm::dot(path, path))) return false;  // no room at all, without a root
     const double drawn = glm::length(path), turn = std::min(glm::length(step.to.spin) * step.dt, 2.0);
     const double cosine = glm::dot(step.from.orientation, step.to.pose.orientation);
     const double chord = 2.0 * p.reach * std::sqrt(std::max(0.0, 1.0 - cosine * cosine)), bend = 0.5 * p.reach * turn * turn;

@@ -3,6 +3,7 @@
 #pragma once
 
 #include <carom/core/slot_map.hpp>
+#include <carom/dynamics/detail/carried_contacts.hpp>
 #include <carom/dynamics/detail/cast_targets.hpp>
 #include <carom/dynamics/detail/contact_set.hpp>
 #include <carom/dynamics/detail/continuous.hpp>
@@ -177,6 +178,8 @@ struct World::Impl {
     /// What wakes by the contacts found in this step. @return whether anything does: the contacts must be found again.
     [[nodiscard]] bool wake_touched();
     void fall_asleep(double dt, StepReport& report);
+    void keep_contacts(dynamics::Step& step, bool looks);
+    void trim_lists();
     void find_contacts(dynamics::Step& step, const dynamics::Motion& motion);
     /// Of its smallest extent, how far a shape may come before its contacts are looked at anew; 0 where all are in every step: then others than the
     /// contact solver move what touches.
@@ -215,7 +218,9 @@ struct World::Impl {
     dynamics::CandidateParts candidate_parts;
     dynamics::CandidateNames names;
     CollideScratch collide_scratch;
-    dynamics::ContactSet contacts, previous;
+    dynamics::ContactSet contacts;
+    dynamics::CarriedContacts previous;    // of the step before
+    std::vector<Manifold> last_manifolds;  // of the step before, where pairs of it may be carried along; else empty
     std::vector<NumberedPair> looked;  // candidates that are looked at where contacts are kept, and what they are
     std::vector<dynamics::ContactPair> looked_pairs;
     std::vector<Manifold> found_anew;
@@ -225,6 +230,7 @@ struct World::Impl {
     bool pairs_complete = false;  // the broadphase listed all
     std::vector<unsigned char> displaced;  // by slot: bodies that others than the contact solver put where they are
     bool set_aside = false, patched = false;  // in this step
+    bool carries = false;                     // when it began, the candidates of the step before had names
     dynamics::Impacts impacts;
     dynamics::DirectIslands direct;
     dynamics::ResidualMeter residual;  // empty unless WorldDef::report_residual

@@ -86,7 +86,7 @@ void BatchMemory::carry(std::span<const NumberedPair> pairs, std::size_t begin, 
         if (!reuses(i)) continue;
         const PairRecord& from = record(pairs[i]);
         for (std::size_t k = 0; k < from.count; ++k) {
-            set_move(moves, count, from.first + k, starts[i] + k, pairs[i], i);
+            set_move(moves, count, from.first + k, starts[i - begin] + k, pairs[i], i);
             if (++count == kWidth) flush();
         }
     }

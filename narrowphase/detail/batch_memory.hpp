@@ -2,7 +2,7 @@
 //
 //   memory.compare(placed, pairs, executor);            // which pairs have hardly moved
 //   if (memory.reuses(i)) count = memory.record(pairs[i]).count;
-//   memory.carry(pairs, numbers, starts, last, out);    // their manifolds
+//   memory.carry(pairs, begin, end, starts, last, out);    // their manifolds
 //   memory.remember(i, pairs[i], touches, undecided);   // of the others
 //   memory.place(i, starts[i], count);                  // of all
 //   memory.finish(placed, manifolds);
@@ -31,6 +31,7 @@ public:
     [[nodiscard]] const PairRecord& record(const NumberedPair& pair) const noexcept { return records_[pair.last]; }
 
     /// Writes the manifolds of the reused pairs among [begin, end) to where they belong.
+    /// @param starts  (end - begin,) at least: of each of these pairs, in `out`.
     void carry(std::span<const NumberedPair> pairs, std::size_t begin, std::size_t end, std::span<const std::size_t> starts,
                std::span<const Manifold> last, Manifold* out) const;
 

@@ -70,6 +70,14 @@ CoreSupport ConvexCore::support(const dvec3& direction) const noexcept {
     return {place(index), index};
 }
 
+double ConvexCore::height(const dvec3& direction) const noexcept {
+    if (kind == Kind::Turned) return glm::dot(direction, solid.support(direction));
+    const dvec3 local = direction * axes;
+    const double out = kind == Kind::Box ? half.x * std::abs(local.x) + half.y * std::abs(local.y) + half.z * std::abs(local.z)
+                                         : -lowest(bundles, -local).value;
+    return glm::dot(direction, centre) + out;
+}
+
 void supports(const ConvexCore& a, const ConvexCore& b, const dvec3& direction, CoreSupport& of_a, CoreSupport& of_b) noexcept {
     if (a.kind != ConvexCore::Kind::Points || b.kind != ConvexCore::Kind::Points) {
         of_a = a.support(direction);

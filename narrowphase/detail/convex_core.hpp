@@ -46,6 +46,8 @@ struct ConvexCore {
     [[nodiscard]] dvec3 place(std::uint32_t index) const noexcept;
     /// @return a point farthest along `direction`, which is neither zero nor infinite; the lowest number of equals.
     [[nodiscard]] CoreSupport support(const dvec3& direction) const noexcept;
+    /// @return what that point has along it: the support function, without the point.
+    [[nodiscard]] double height(const dvec3& direction) const noexcept;
 };
 
 /// A support point of each, of `a` along a direction and of `b` against it.

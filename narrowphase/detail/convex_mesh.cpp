@@ -6,6 +6,7 @@
 #include <carom/narrowphase/detail/polytope_lanes.hpp>
 #include <carom/narrowphase/detail/round_contact.hpp>
 #include <carom/narrowphase/detail/segment_polytope.hpp>
+#include <carom/narrowphase/detail/solid_mesh.hpp>
 #include <carom/narrowphase/detail/tolerances.hpp>
 #include <carom/narrowphase/detail/turned_contact.hpp>
 #include <carom/narrowphase/detail/workspace.hpp>
@@ -183,9 +184,30 @@ bool touches_back(const PairFrame& pair, const MeshSurface& surface, const dvec3
     return mesh.is_one_sided() && !surface.patches.empty() && is_behind(mesh, pair.to_second(centre));
 }
 
+// Whether the shape does not meet the triangle, or touches it.
 template <class Probe>
-void touch_mesh(const PairFrame& pair, const Probe& probe, const Aabb& bounds, double same_normal, Workspace& workspace,
-                ManifoldSink& sink) {
+bool is_free(const Probe& probe, const Corners& corners, Workspace& workspace) {
+    ContactAxis axis;
+    if (!load_triangle(workspace.second, corners) || !probe.axis(workspace.second, 0.0, workspace, axis)) return true;
+    return axis.separation - probe.radius() >= -kPointTolerance * probe.size();
+}
+
+// The solid in whose place the mesh stands, if any (detail/solid_mesh.hpp).
+template <class Probe>
+const ConvexHull* solid_of(const PairFrame& pair, const Probe& probe) {
+    return solid_to(*as<TriangleMeshPtr>(pair.second), pair.to_second(probe.centre), [&](const dvec3& n) {
+        const dvec3 in_first = pair.rotation * n;
+        return probe.reach(in_first) - glm::dot(in_first, pair.translation);
+    });
+}
+
+bool reaches(const PairFrame& pair, const Aabb& bounds, const ConvexHull& solid) noexcept {
+    return overlaps(inflate(bounds, pair.margin), solid.local_bounds());
+}
+
+template <class Probe>
+void touch_surface(const PairFrame& pair, const Probe& probe, const Aabb& bounds, double same_normal, Workspace& workspace,
+                   ManifoldSink& sink) {
     MeshSurface& surface = workspace.surface;
     const bool one_sided = as<TriangleMeshPtr>(pair.second)->is_one_sided();
     WayOut way_out;
@@ -199,6 +221,10 @@ void touch_mesh(const PairFrame& pair, const Probe& probe, const Aabb& bounds, d
         contact.triangle = t.index;
         if (touch_triangle(probe, surface, pair.margin, workspace, contact, way_out)) surface.patches.push_back(contact);
     }
+    surface.drop_spared(kPointTolerance * probe.size(), [&](const Corners& corners, const dvec3& motion) {
+        const Corners moved{corners[0] + motion, corners[1] + motion, corners[2] + motion};
+        return is_free(probe, moved, workspace);
+    });
     surface.drop_runaways(kPointTolerance * probe.size());
     if (way_out.found && !surface.touches()) surface.patches.push_back(patch_of(probe, way_out));
     if (touches_back(pair, surface, probe.centre)) return;
@@ -209,7 +235,13 @@ CollideStatus polytope_mesh(const PairFrame& pair, const Aabb& own, Workspace& w
     Polytope& polytope = workspace.first;
     Aabb bounds;
     for (std::uint32_t k = 0; k < polytope.vertex_count; ++k) bounds = add_ball(bounds, pair.to_second(polytope.vertex(k)), 0.0);
-    touch_mesh(pair, PolytopeProbe{polytope, own, polytope.centre}, bounds, kSameNormal, workspace, sink);
+    const PolytopeProbe probe{polytope, own, polytope.centre};
+    if (const ConvexHull* const solid = solid_of(pair, probe)) {
+        if (!reaches(pair, bounds, *solid)) return CollideStatus::Ok;
+        load_hull(workspace.second, *solid, pair.rotation, pair.translation);
+        return touch_polytopes(pair.margin, workspace, sink);
+    }
+    touch_surface(pair, probe, bounds, kSameNormal, workspace, sink);
     return CollideStatus::Ok;
 }
 
@@ -233,7 +265,11 @@ CollideStatus capsule_mesh(const PairFrame& pair, Workspace& workspace, Manifold
     const RoundSegment core{{{0.0, -half, 0.0}, {0.0, half, 0.0}}, static_cast<double>(capsule.radius)};
     Aabb bounds = add_ball({}, pair.to_second(core.segment.from), core.radius);
     bounds = add_ball(bounds, pair.to_second(core.segment.to), core.radius);
-    touch_mesh(pair, SegmentProbe{core}, bounds, kSameRoundNormal, workspace, sink);
+    const SegmentProbe probe{core};
+    if (const ConvexHull* const solid = solid_of(pair, probe)) {
+        return reaches(pair, bounds, *solid) ? capsule_hull(pair, *solid, workspace, sink) : CollideStatus::Ok;
+    }
+    touch_surface(pair, probe, bounds, kSameRoundNormal, workspace, sink);
     return CollideStatus::Ok;
 }
 
@@ -242,15 +278,26 @@ CollideStatus turned_mesh(const PairFrame& pair, Workspace& workspace, ManifoldS
     const Aabb own = box_of(solid);
     // The same solid in the mesh's frame, for the box that the mesh is asked with.
     const TruncatedCone in_mesh = truncated_cone(pair.first, glm::transpose(pair.rotation), pair.to_second(dvec3{0.0}));
+    const Aabb bounds = box_of(in_mesh);
     CollideStatus status = CollideStatus::Ok;
-    touch_mesh(pair, TurnedProbe{solid, own, status}, box_of(in_mesh), kSameRoundNormal, workspace, sink);
+    const TurnedProbe probe{solid, own, status};
+    if (const ConvexHull* const hull = solid_of(pair, probe)) {
+        return reaches(pair, bounds, *hull) ? turned_hull(pair, *hull, workspace, sink) : CollideStatus::Ok;
+    }
+    touch_surface(pair, probe, bounds, kSameRoundNormal, workspace, sink);
     return status;
 }
 
 CollideStatus sphere_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
     const double radius = static_cast<double>(as<Sphere>(pair.first).radius);
     MeshSurface& surface = workspace.surface;
-    const bool one_sided = as<TriangleMeshPtr>(pair.second)->is_one_sided();
+    const TriangleMesh& mesh = *as<TriangleMeshPtr>(pair.second);
+    const bool one_sided = mesh.is_one_sided();
+    // Of what has its centre outside the nearest point is the depth, of a surface as of a solid.
+    if (const dvec3 centre = pair.to_second(dvec3{0.0}); mesh.solid() && !one_sided && is_in(*mesh.solid(), centre)) {
+        const auto reach = [&](const dvec3& n) { return glm::dot(centre, n) + radius; };
+        if (!has_room(*mesh.solid(), reach)) return sphere_hull(pair, *mesh.solid(), workspace, sink);
+    }
     surface.gather(pair, inflate(add_ball({}, pair.to_second(dvec3{0.0}), radius), pair.margin + kInsideTolerance * radius));
     for (const NearTriangle& t : surface.triangles) {
         if (one_sided && faces_away(t, dvec3{0.0})) continue;

@@ -17,6 +17,11 @@ CollideStatus capsule_hull(const PairFrame& pair, Workspace& workspace, Manifold
 CollideStatus sphere_hull(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 CollideStatus box_hull(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 CollideStatus hull_hull(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+/// The same where the second shape of the pair is a mesh that bounds a convex solid: the solid takes its place.
+CollideStatus sphere_hull(const PairFrame& pair, const ConvexHull& second, Workspace& workspace, ManifoldSink& sink);
+CollideStatus capsule_hull(const PairFrame& pair, const ConvexHull& second, Workspace& workspace, ManifoldSink& sink);
+/// The same of meshes in both places.
+CollideStatus hull_hull(const PairFrame& pair, const ConvexHull& first, const ConvexHull& second, Workspace& workspace, ManifoldSink& sink);
 CollideStatus hull_plane(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 CollideStatus sphere_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 CollideStatus box_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
@@ -40,6 +45,9 @@ void box_box(const BatchInput& input, std::span<const std::uint32_t> chosen, Wor
 /// Two boxes by themselves, with the bits that they have among many.
 void box_box_single(const ShapePair& pair, std::uint32_t index, Workspace& workspace, ManifoldList& out);
 
+/// The polytopes that the workspace holds.
+CollideStatus touch_polytopes(double margin, Workspace& workspace, ManifoldSink& sink);
+
 /// Two boxes as polytopes in double: where they are not many, as parts of compounds are not.
 CollideStatus box_box_alone(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 
@@ -49,6 +57,7 @@ CollideStatus turned_box(const PairFrame& pair, Workspace& workspace, ManifoldSi
 CollideStatus turned_capsule(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 CollideStatus turned_plane(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 CollideStatus turned_hull(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
+CollideStatus turned_hull(const PairFrame& pair, const ConvexHull& second, Workspace& workspace, ManifoldSink& sink);
 CollideStatus turned_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 CollideStatus turned_turned(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 

@@ -31,6 +31,10 @@ void LeaderFinder::find(const MeshSide& first, const MeshSide& second, const Lea
     overlapping_ = !meeting.empty();
     leaders.clear();
     blocked_.clear();
+    behind_first.clear();
+    behind_second.clear();
+    normals_behind.clear();
+    deepest = 0.0;
     incomplete = false;
     for (const bool is_first : {true, false}) {
         const MeshSide &mover = is_first ? first : second, &surface = is_first ? second : first;
@@ -92,13 +96,20 @@ void LeaderFinder::look_at_vertex(const MeshSide& mover, const MeshSide& surface
     const std::optional<SurfacePoint> nearest = known ? surface.measure_at(p, visit.nearest) : surface.measure(p, limits_.depth);
     if (!nearest || nearest->separation > limits_.margin) return;
     const double turn = mover_is_first ? -1.0 : 1.0;  // from the way out of the surface to the normal
+    if (nearest->separation < 0.0) {
+        (mover_is_first ? behind_second : behind_first).push_back(p);
+        normals_behind.push_back(turn * nearest->outward);
+    }
+    deepest = std::max(deepest, -nearest->separation);
     const auto leader = [&](const dvec3& outward, double separation) {
         return Leader{turn * outward, separation, p - (0.5 * separation) * outward, vertex_feature(mover, vertex, mover_is_first), false, false};
     };
     if (nearest->separation < -limits_.margin) {
         // Further in than the pairs reach: its neighbours may be too.
-        mover.for_each_at(p, limits_.tolerance, [&](std::uint32_t triangle, const Corners&) {
+        mover.for_each_at(p, limits_.tolerance, [&](std::uint32_t triangle, const Corners& t) {
             for (const std::uint32_t v : mover.mesh().triangles()[triangle]) note(v);
+            const dvec3 n = glm::cross(t[1] - t[0], t[2] - t[0]);
+            if (const double area = glm::length(n); area > 0.0) normals_behind.push_back((-turn / area) * n);
         });
     }
     // From behind, the nearest point may be in a valley of the surface, where no face's own way out leads to.

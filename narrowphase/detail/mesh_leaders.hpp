@@ -24,6 +24,7 @@ struct Leader {
     std::uint64_t feature = 0;
     bool is_crossing = false;     ///< of two edges
     bool used = false;
+    bool of_whole = false;  ///< a way out of the whole: nothing is deeper along it
 };
 
 /// What bounds the search for leaders.
@@ -36,7 +37,10 @@ struct LeaderLimits {
 class LeaderFinder {
 public:
     std::vector<Leader> leaders;
-    bool incomplete = false;  ///< the search stopped at a cap, or found overlaps and no way out of them
+    std::vector<dvec3> behind_second, behind_first;  ///< vertices of the first mesh behind the second surface, and the other way round
+    std::vector<dvec3> normals_behind;               ///< of triangles at them, from the first to the second
+    double deepest = 0.0;                            ///< of these vertices, from the surface [m]
+    bool incomplete = false;                         ///< the search stopped at a cap, or found overlaps and no way out of them
 
     /// Replaces `leaders`. `faces` are those within the margin of each other, `meeting` the pairs of triangles that meet.
     void find(const MeshSide& first, const MeshSide& second, const LeaderLimits& limits, const PlacedFaces& faces,

@@ -3,6 +3,7 @@
 // Method. Leaders first (mesh_leaders.hpp): pairs of features along whose normal the one surface can leave the other. The deepest one
 // takes along all whose normals lie close to its own, and the faces that look at each other along it are cut against each other for
 // the rest of the patch; then the deepest of those that are left.
+#include <carom/collision/mesh_pairs.hpp>
 #include <carom/core/math.hpp>
 #include <carom/narrowphase/detail/kernels.hpp>
 #include <carom/narrowphase/detail/mesh_leaders.hpp>
@@ -17,6 +18,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 namespace carom::detail {
 namespace {
@@ -27,6 +29,9 @@ constexpr double kDepthShare = 0.25;
 // Contacts are looked for within this share of the smaller mesh's box first, and within more and more of the margin while there are none.
 constexpr double kNearShare = 1.0 / 64.0;
 constexpr double kNearGrowth = 3.0;
+
+// Where the two are deeper in each other than this share of the smaller one's box, a way out of the whole is looked for.
+constexpr double kDeepShare = 1.0 / 64.0;
 
 struct MeshBox {
     dvec3 centre{0.0};
@@ -62,6 +67,10 @@ void add_face_points(const PlacedFace& a, const PlacedFace& b, const ContactPlan
 // Emits one manifold for each group of leaders.
 void emit_patches(MeshContact& contact, const LeaderLimits& limits, std::vector<Candidate>& points, ManifoldSink& sink) {
     std::vector<Leader>& leaders = contact.finder.leaders;
+    double floor = -std::numeric_limits<double>::infinity();  // of what leads out of the whole
+    for (const Leader& l : leaders) {
+        if (l.of_whole) floor = l.separation;
+    }
     for (;;) {
         Leader* deepest = nullptr;
         for (Leader& l : leaders) {
@@ -73,7 +82,7 @@ void emit_patches(MeshContact& contact, const LeaderLimits& limits, std::vector<
         const PlacedFaces& faces = contact.faces;
         for (const FacePair& pair : faces.pairs) add_face_points(faces.first[pair.a], faces.second[pair.b], plane, points);
         // Faces on far sides of thin parts look at each other too, from behind.
-        const double least = std::min(2.0 * deepest->separation, deepest->separation) - limits.tolerance;
+        const double least = std::max(floor, std::min(2.0 * deepest->separation, deepest->separation)) - limits.tolerance;
         std::erase_if(points, [&](const Candidate& c) { return c.separation < least; });
         for (Leader& l : leaders) {
             const double cosine = glm::dot(l.normal, plane.normal);
@@ -116,6 +125,22 @@ bool shows_back(const PairFrame& pair, const TriangleMesh& a, const TriangleMesh
            (b.is_one_sided() && is_behind(b, pair.to_second(box_of(a).centre)));
 }
 
+// Leaders see what is around them: of what is deep in each other, features are led out that the whole would take another way. Where there is
+// a way out of the whole, it takes the place of all that is deeper.
+void add_way_out(const PairFrame& pair, const LeaderLimits& limits, double smaller, const Pose& b_in_a, Workspace& workspace) {
+    MeshContact& contact = workspace.meshes;
+    std::vector<Leader>& leaders = contact.finder.leaders;
+    if (contact.meeting.empty()) return;
+    const TriangleMesh &a = *as<TriangleMeshPtr>(pair.first), &b = *as<TriangleMeshPtr>(pair.second);
+    const auto meets = [&](const dvec3& motion) {
+        return meshes_overlap(a.bvh(), b.bvh(), {b_in_a.position - motion, b_in_a.orientation});
+    };
+    const std::optional<Leader> way = workspace.ways.find(contact.finder, contact.faces, {kDeepShare * smaller, limits.tolerance}, meets);
+    if (!way) return;
+    std::erase_if(leaders, [&](const Leader& l) { return l.separation < way->separation + limits.tolerance; });
+    leaders.push_back(*way);
+}
+
 // Of two meshes whose surfaces are apart: one that lies wholly inside of another that is closed is led out by its first vertex.
 CollideStatus look_inside(const PairFrame& pair, const LeaderLimits& limits, Workspace& workspace, ManifoldSink& sink) {
     const TriangleMesh &a = *as<TriangleMeshPtr>(pair.first), &b = *as<TriangleMeshPtr>(pair.second);
@@ -139,6 +164,7 @@ CollideStatus look_inside(const PairFrame& pair, const LeaderLimits& limits, Wor
 CollideStatus mesh_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
     const TriangleMesh &a = *as<TriangleMeshPtr>(pair.first), &b = *as<TriangleMeshPtr>(pair.second);
     if (shows_back(pair, a, b)) return CollideStatus::Ok;
+    if (a.solid() && b.solid()) return hull_hull(pair, *a.solid(), *b.solid(), workspace, sink);
     MeshContact& contact = workspace.meshes;
     const double smaller = std::min(box_of(a).diagonal, box_of(b).diagonal);
     LeaderLimits limits;
@@ -159,7 +185,10 @@ CollideStatus mesh_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSin
             if (contact.finder.leaders.empty() && !contact.meeting.empty()) {
                 contact.finder.add_parting(contact.first, contact.second, contact.meeting.front());
             }
-            if (!contact.finder.leaders.empty()) break;
+            if (!contact.finder.leaders.empty()) {
+                add_way_out(pair, limits, smaller, b_in_a, workspace);
+                break;
+            }
         }
         if (margin < pair.margin) continue;
         return look_inside(pair, limits, workspace, sink);

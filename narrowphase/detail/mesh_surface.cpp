@@ -158,6 +158,45 @@ void MeshSurface::drop_runaways(double tolerance) noexcept {
     if (deepest < 0.0) std::erase_if(patches, [&](const TrianglePatch& p) { return !stands(p) && depth_of(p.patch) < 2.0 * deepest; });
 }
 
+// Of the triangle with the deepest patch, the least of its own depths: no shorter motion frees it.
+double least_motion(const TrianglePatch& p) noexcept { return p.replaced ? -p.along : -depth_of(p.patch); }
+
+bool MeshSurface::leads_out(const TrianglePatch& way, const TrianglePatch& first,
+                            FunctionRef<bool(const Corners&, const dvec3&)> frees) const {
+    const dvec3 motion = -depth_of(way.patch) * way.patch.normal;
+    const auto is_freed = [&](const TrianglePatch& p) {
+        NearTriangle t;
+        place(*pair_, *mesh_, p.triangle, t);
+        return frees(t.corners, motion);
+    };
+    return is_freed(first) &&
+           std::ranges::all_of(patches, [&](const TrianglePatch& p) { return &p == &first || &p == &way || is_freed(p); });
+}
+
+void MeshSurface::drop_spared(double tolerance, FunctionRef<bool(const Corners&, const dvec3&)> frees) {
+    const auto deepest = std::ranges::min_element(patches, {}, [](const TrianglePatch& p) { return depth_of(p.patch); });
+    if (deepest == patches.end() || !deepest->replaced) return;
+    double least = 0.0;
+    for (const TrianglePatch& p : patches) least = std::max(least, least_motion(p));
+    ways_.clear();
+    for (const TrianglePatch& p : patches) {
+        const double depth = -depth_of(p.patch);
+        const bool may = depth >= least - tolerance && depth < -depth_of(deepest->patch) - tolerance;
+        if (may && glm::dot(p.patch.normal, deepest->patch.normal) < kSameRoundNormal)
+            ways_.push_back(static_cast<std::uint32_t>(&p - patches.data()));
+    }
+    while (!ways_.empty()) {
+        const auto shallowest = std::ranges::min_element(ways_, {}, [&](std::uint32_t k) { return -depth_of(patches[k].patch); });
+        const TrianglePatch& way = patches[*shallowest];
+        if (leads_out(way, *deepest, frees)) {
+            const double enough = depth_of(way.patch) - tolerance;
+            std::erase_if(patches, [&](const TrianglePatch& p) { return depth_of(p.patch) < enough; });
+            return;
+        }
+        ways_.erase(shallowest);
+    }
+}
+
 bool MeshSurface::touches() const noexcept {
     return std::ranges::any_of(patches, [](const TrianglePatch& p) { return depth_of(p.patch) <= 0.0; });
 }

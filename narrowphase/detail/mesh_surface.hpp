@@ -6,6 +6,7 @@
 #pragma once
 
 #include <carom/collision/aabb.hpp>
+#include <carom/core/function_ref.hpp>
 #include <carom/narrowphase/detail/kernel.hpp>
 #include <carom/narrowphase/detail/reduce.hpp>
 #include <carom/narrowphase/detail/triangle.hpp>
@@ -64,6 +65,11 @@ public:
     /// well, to `tolerance` [m].
     void drop_runaways(double tolerance) noexcept;
 
+    /// Drops what is deeper than a way out of all triangles that have a patch: the shallowest patch along whose normal the shape, moved by its
+    /// depth, is free of them, and which is not as the deepest one. A stand-in asks for the way out of its own plane alone.
+    /// @param frees  whether the shape is free of the triangle, to `tolerance` [m], where the triangle is moved by `motion`.
+    void drop_spared(double tolerance, FunctionRef<bool(const Corners& triangle, const dvec3& motion)> frees);
+
     /// @return whether a patch has a point that is not apart.
     [[nodiscard]] bool touches() const noexcept;
 
@@ -72,6 +78,8 @@ public:
     void emit(double same_normal, double tolerance, ManifoldSink& sink);
 
 private:
+    [[nodiscard]] bool leads_out(const TrianglePatch& way, const TrianglePatch& first,
+                                 FunctionRef<bool(const Corners&, const dvec3&)> frees) const;
     [[nodiscard]] double height_of(const dvec3& p) const noexcept;
     /// Whether `test` holds for a triangle of the mesh with p on it, to `tolerance` [m].
     template <class Test>
@@ -81,6 +89,7 @@ private:
     const TriangleMesh* mesh_ = nullptr;
     Aabb gathered_;
     std::vector<Candidate> candidates_;
+    std::vector<std::uint32_t> ways_;  ///< patches that may lead out of all triangles
     std::optional<bool> in_front_;
     std::optional<dvec3> foot_;  ///< that was asked for last
     bool passes_foot_ = false;

@@ -32,7 +32,8 @@ struct MovingCore {
     double reach = 0.0;     ///< of the core's points from the pivot, at least; a plane's foot has 0
     double radius = 0.0;    ///< of the ball about the core, which turning does not change
 
-    /// @param at  of the pivot at t.
+    [[nodiscard]] bool is_box() const noexcept;
+    /// @param at  of the pivot at t. @return in the pair's unit; a box with its half extents in it and axes of unit length.
     [[nodiscard]] ConvexCore core(double t, const dvec3& at) const noexcept;
 };
 

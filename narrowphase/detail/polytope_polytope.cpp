@@ -5,9 +5,8 @@
 #include <carom/narrowphase/detail/workspace.hpp>
 
 namespace carom::detail {
-namespace {
 
-CollideStatus touch(double margin, Workspace& workspace, ManifoldSink& sink) {
+CollideStatus touch_polytopes(double margin, Workspace& workspace, ManifoldSink& sink) {
     Polytope &a = workspace.first, &b = workspace.second;
     ContactAxis axis;
     if (!find_axis(a, b, a.centre, b.centre, margin, axis)) return CollideStatus::Ok;
@@ -17,24 +16,26 @@ CollideStatus touch(double margin, Workspace& workspace, ManifoldSink& sink) {
     return CollideStatus::Ok;
 }
 
-}  // namespace
-
 CollideStatus box_box_alone(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
     load_box(workspace.first, dvec3(as<Box>(pair.first).half_extents));
     load_box(workspace.second, dvec3(as<Box>(pair.second).half_extents), pair.rotation, pair.translation);
-    return touch(pair.margin, workspace, sink);
+    return touch_polytopes(pair.margin, workspace, sink);
 }
 
 CollideStatus box_hull(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
     load_box(workspace.first, dvec3(as<Box>(pair.first).half_extents));
     load_hull(workspace.second, *as<ConvexHullPtr>(pair.second), pair.rotation, pair.translation);
-    return touch(pair.margin, workspace, sink);
+    return touch_polytopes(pair.margin, workspace, sink);
 }
 
 CollideStatus hull_hull(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
-    load_hull(workspace.first, *as<ConvexHullPtr>(pair.first));
-    load_hull(workspace.second, *as<ConvexHullPtr>(pair.second), pair.rotation, pair.translation);
-    return touch(pair.margin, workspace, sink);
+    return hull_hull(pair, *as<ConvexHullPtr>(pair.first), *as<ConvexHullPtr>(pair.second), workspace, sink);
+}
+
+CollideStatus hull_hull(const PairFrame& pair, const ConvexHull& first, const ConvexHull& second, Workspace& workspace, ManifoldSink& sink) {
+    load_hull(workspace.first, first);
+    load_hull(workspace.second, second, pair.rotation, pair.translation);
+    return touch_polytopes(pair.margin, workspace, sink);
 }
 
 }  // namespace carom::detail

@@ -8,7 +8,11 @@
 namespace carom::detail {
 
 CollideStatus capsule_hull(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
-    load_hull(workspace.second, *as<ConvexHullPtr>(pair.second), pair.rotation, pair.translation);
+    return capsule_hull(pair, *as<ConvexHullPtr>(pair.second), workspace, sink);
+}
+
+CollideStatus capsule_hull(const PairFrame& pair, const ConvexHull& second, Workspace& workspace, ManifoldSink& sink) {
+    load_hull(workspace.second, second, pair.rotation, pair.translation);
     const Capsule& capsule = as<Capsule>(pair.first);
     const double half = static_cast<double>(capsule.half_segment);
     const RoundSegment core{{{0.0, -half, 0.0}, {0.0, half, 0.0}}, static_cast<double>(capsule.radius)};
@@ -20,11 +24,15 @@ CollideStatus capsule_hull(const PairFrame& pair, Workspace& workspace, Manifold
     return CollideStatus::Ok;
 }
 
-// In the hull's frame, so that nothing of it is to be moved.
 CollideStatus sphere_hull(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
+    return sphere_hull(pair, *as<ConvexHullPtr>(pair.second), workspace, sink);
+}
+
+// In the hull's frame, so that nothing of it is to be moved.
+CollideStatus sphere_hull(const PairFrame& pair, const ConvexHull& second, Workspace& workspace, ManifoldSink& sink) {
     const double radius = static_cast<double>(as<Sphere>(pair.first).radius);
     const dvec3 centre = pair.to_second(dvec3{0.0});
-    load_hull(workspace.second, *as<ConvexHullPtr>(pair.second));
+    load_hull(workspace.second, second);
     ContactAxis axis;
     if (!find_axis({{centre, centre}, radius}, workspace.second, pair.margin, workspace.polygons, axis)) return CollideStatus::Ok;
     Patch patch;

@@ -87,4 +87,14 @@ template <class T>
     }
 }
 
+/// The same of what `make` returns, which is not copied where there is nothing to round.
+template <class T, class Make>
+[[nodiscard]] BasicImpact<T> rounded_from(const Make& make) noexcept {
+    if constexpr (std::is_same_v<T, double>) {
+        return make();
+    } else {
+        return rounded<T>(make());
+    }
+}
+
 }  // namespace carom::geo

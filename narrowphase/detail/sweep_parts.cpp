@@ -121,44 +121,91 @@ SweepPart sweep_face(const SweepPath& path, const dvec3& q, const dvec3& u, cons
     return inside ? SweepPart{t, -n} : SweepPart{};
 }
 
-SweepPart sweep_box(const SweepPath& path, const dvec3& lower, const dvec3& upper) noexcept {
-    const dvec3& d = path.motion;
-    // Times at which the point crosses the planes of the faces, in order; between them the squared distance is quadratic.
-    std::array<double, 8> time{0.0};
-    std::size_t count = 1;
-    std::array<double, 3> entered{-1.0, -1.0, -1.0};
-    for (int k = 0; k < 3; ++k) {
-        if (std::min(0.0, d[k]) > upper[k] + path.radius || std::max(0.0, d[k]) < lower[k] - path.radius) return {};
-        if (d[k] == 0.0) continue;
-        entered[static_cast<std::size_t>(k)] = (d[k] > 0.0 ? lower[k] : upper[k]) / d[k];
-        for (const double plane : {lower[k], upper[k]}) {
-            const double t = plane / d[k];
-            if (!(t > 0.0 && t < 1.0)) continue;
-            std::size_t at = count++;
-            for (; at > 0 && time[at - 1] > t; --at) time[at] = time[at - 1];
-            time[at] = t;
-        }
+namespace {
+
+/// Along one axis of a box: the planes of the two faces, and when the point crosses them. Motions that the least growth hides are none.
+struct Slab {
+    double near = 0.0, speed = 0.0;
+    double in = 0.0, out = 0.0;          ///< it is between the two from..to
+    double reaches = 0.0, leaves = 0.0;  ///< the same for the planes moved outward by the radius
+};
+
+Slab slab_of(double d, double lower, double upper, double radius) noexcept {
+    constexpr double kEver = std::numeric_limits<double>::infinity(), kHidden = 1e-100;
+    if (!(std::abs(d) > kHidden)) {
+        const bool inside = lower <= 0.0 && upper >= 0.0, grown = lower <= radius && upper >= -radius;
+        return {lower > 0.0 ? lower : upper, 0.0, inside ? -kEver : kEver, kEver, grown ? -kEver : kEver, kEver};
     }
-    time[count] = 1.0;
-    for (std::size_t i = 0; i < count; ++i) {
-        const double middle = 0.5 * (time[i] + time[i + 1]);
+    const double inverse = 1.0 / d, near = d > 0.0 ? lower : upper, far = d > 0.0 ? upper : lower, around = radius * std::abs(inverse);
+    const double in = near * inverse, out = far * inverse;
+    return {near, d, in, out, in - around, out + around};
+}
+
+/// @return the normal, as long as it comes out, of the face whose plane the point crosses last on its way in.
+dvec3 last_face(const std::array<Slab, 3>& slabs) noexcept {
+    dvec3 face{0.0};
+    double last = -1.0;
+    for (int k = 0; k < 3; ++k) {
+        const Slab& slab = slabs[static_cast<std::size_t>(k)];
+        if (slab.speed == 0.0 || !(slab.in > last)) continue;
+        last = slab.in;
+        face = dvec3{0.0};
+        face[k] = slab.speed;
+    }
+    return face;
+}
+
+/// A point that is outside of a box and comes to within a radius of it: piece by piece between the planes that it crosses, since in each its squared distance is
+/// quadratic. Times are right to two roundings, so what is counted in the wrong piece is within two of a plane.
+/// @param slabs  all of them are reached before `to`. @param from  when the last of them is, or 0.
+SweepPart sweep_pieces(const SweepPath& path, const std::array<Slab, 3>& slabs, const dvec3& lower, const dvec3& upper, double from,
+                       double to) noexcept {
+    for (;;) {
+        double end = to;
         dvec3 q{0.0}, along{0.0};
         for (int k = 0; k < 3; ++k) {
-            const double at = middle * d[k];
-            if (at >= lower[k] && at <= upper[k]) continue;
-            q[k] = at < lower[k] ? lower[k] : upper[k];
-            along[k] = d[k];
+            const Slab& slab = slabs[static_cast<std::size_t>(k)];
+            const bool before = slab.in > from, inside = !before && slab.out > from;
+            if (before) end = std::min(end, slab.in);
+            if (inside) {
+                end = std::min(end, slab.out);
+                continue;
+            }
+            q[k] = before ? slab.near : slab.speed > 0.0 ? upper[k] : lower[k];
+            along[k] = slab.speed;
         }
         const Within w = within(q, along, path.radius);
-        if (!(w.from <= time[i + 1] && w.to >= time[i])) continue;
-        const double t = std::max({w.from, time[i], 0.0}) * kRounded;
-        const dvec3 p = t * d;
-        const auto last = std::max_element(entered.begin(), entered.end()) - entered.begin();
-        dvec3 face{0.0};
-        face[static_cast<int>(last)] = d[static_cast<int>(last)];
-        return contact(t, glm::clamp(p, lower, upper) - p, path, face);
+        if (w.from <= end && w.to >= from) {
+            const double t = std::max(w.from, from) * kRounded;
+            const dvec3 p = t * path.motion;
+            return contact(t, glm::clamp(p, lower, upper) - p, path, last_face(slabs));
+        }
+        if (!(end < to)) return {};
+        from = end;
     }
-    return {};
+}
+
+}  // namespace
+
+SweepPart sweep_box(const SweepPath& path, const dvec3& lower, const dvec3& upper) noexcept {
+    const dvec3& d = path.motion;
+    const std::array<Slab, 3> slabs{slab_of(d.x, lower.x, upper.x, path.radius), slab_of(d.y, lower.y, upper.y, path.radius),
+                                    slab_of(d.z, lower.z, upper.z, path.radius)};
+    const double reaches = std::max({slabs[0].reaches, slabs[1].reaches, slabs[2].reaches});
+    const double leaves = std::min({1.0, slabs[0].leaves, slabs[1].leaves, slabs[2].leaves}) * (2.0 - kRounded);
+    const double from = std::max(0.0, reaches * kRounded);
+    // A corner of the box with its sides moved outward is farther from the grown box than rounding may move a time.
+    if (!(from <= leaves)) return {};
+    if (reaches > 0.0) {  // straight onto a face, where the two are the same
+        const std::size_t k = reaches == slabs[0].reaches ? 0 : reaches == slabs[1].reaches ? 1 : 2;
+        const Slab &i = slabs[(k + 1) % 3], &j = slabs[(k + 2) % 3];
+        if (i.in <= reaches && i.out >= reaches && j.in <= reaches && j.out >= reaches) {
+            SweepPart face{from, dvec3{0.0}};
+            face.normal[static_cast<int>(k)] = slabs[k].speed > 0.0 ? 1.0 : -1.0;
+            return face;
+        }
+    }
+    return sweep_pieces(path, slabs, lower, upper, from, std::min(leaves, 1.0));
 }
 
 }  // namespace carom::detail

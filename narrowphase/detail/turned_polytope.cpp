@@ -27,7 +27,11 @@ CollideStatus turned_box(const PairFrame& pair, Workspace& workspace, ManifoldSi
 }
 
 CollideStatus turned_hull(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
-    load_hull(workspace.second, *as<ConvexHullPtr>(pair.second), pair.rotation, pair.translation);
+    return turned_hull(pair, *as<ConvexHullPtr>(pair.second), workspace, sink);
+}
+
+CollideStatus turned_hull(const PairFrame& pair, const ConvexHull& second, Workspace& workspace, ManifoldSink& sink) {
+    load_hull(workspace.second, second, pair.rotation, pair.translation);
     return touch(pair, workspace.second, workspace, sink);
 }
 

@@ -4,6 +4,7 @@
 #include <carom/narrowphase/detail/manifold_list.hpp>
 #include <carom/narrowphase/detail/mesh_leaders.hpp>
 #include <carom/narrowphase/detail/mesh_surface.hpp>
+#include <carom/narrowphase/detail/mesh_way_out.hpp>
 #include <carom/narrowphase/detail/polygon_contact.hpp>
 #include <carom/narrowphase/detail/polytope_axis.hpp>
 
@@ -14,6 +15,7 @@ struct Workspace {
     PolygonScratch polygons;
     MeshSurface surface;
     MeshContact meshes;
+    WayOutFinder ways;
     ManifoldList alone;  ///< of a pair by itself
 };
 

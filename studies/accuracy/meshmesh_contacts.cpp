@@ -57,6 +57,8 @@ Study study_of(const std::string& name, const std::string& error, const std::str
 void add_hulls(const std::string& suffix, const DepthRange& range, std::size_t count, std::uint64_t seed, std::vector<Study>& studies) {
     const ManifoldCasesPtr hulls = solid_cases(Solids::Hulls, count, range, seed);
     const ManifoldCasesPtr meshes = as_surfaces(*hulls, {}), one = as_surfaces(*hulls, {.first = false});
+    const ManifoldCasesPtr seeded = as_surfaces(*hulls, {.seeded = true}),
+                           one_seeded = as_surfaces(*hulls, {.first = false, .seeded = true});
     const std::string pairs =
         fmt::format("{} pairs of hulls of 32 points, {:g} to {:g} of the least extent deep", count, range.least, range.most);
     for (const Kind& kind : kinds()) {
@@ -64,6 +66,8 @@ void add_hulls(const std::string& suffix, const DepthRange& range, std::size_t c
         study.candidates.push_back(candidate(meshes, hulls, {{"shapes", std::string("meshes")}}, kind.measure));
         study.candidates.push_back(candidate(one, hulls, {{"shapes", std::string("hull and mesh")}}, kind.measure));
         study.candidates.push_back(candidate(hulls, hulls, {{"shapes", std::string("hulls")}}, kind.measure));
+        study.candidates.push_back(candidate(seeded, hulls, {{"shapes", std::string("seeded meshes")}}, kind.measure));
+        study.candidates.push_back(candidate(one_seeded, hulls, {{"shapes", std::string("hull and seeded mesh")}}, kind.measure));
         studies.push_back(std::move(study));
     }
 }
@@ -82,6 +86,22 @@ void add_boxes(std::size_t count, std::vector<Study>& studies) {
     }
 }
 
+// Of plates in four by four quads a side, and of plates that are not taken for solids.
+void add_pierced(std::size_t count, std::vector<Study>& studies) {
+    const ManifoldCasesPtr bars = pierced_cases(count, 74);
+    const std::string pairs = fmt::format("{} bars of 2 m through plates of 0.4 to 1 m", count);
+    for (const Kind& kind : kinds()) {
+        Study study = study_of(kind.name + "_pierced", kind.error, pairs);
+        const auto add = [&](const char* name, const SurfaceSettings& settings) {
+            study.candidates.push_back(candidate(as_surfaces(*bars, settings), bars, {{"shapes", std::string(name)}}, kind.measure));
+        };
+        add("meshes", {.quads = 4});
+        add("box and mesh", {.first = false, .quads = 4});
+        add("box and seeded mesh", {.first = false, .seeded = true});
+        studies.push_back(std::move(study));
+    }
+}
+
 }  // namespace
 
 std::vector<Study> meshmesh_contact_studies(const StudyOptions& options) {
@@ -90,6 +110,7 @@ std::vector<Study> meshmesh_contact_studies(const StudyOptions& options) {
     add_hulls("", {0.0, 0.01}, count, 71, studies);
     add_hulls("_deep", {0.01, 0.2}, count, 72, studies);
     add_boxes(count, studies);
+    add_pierced(count, studies);
     return studies;
 }
 

@@ -18,6 +18,7 @@
 namespace carom::accuracy {
 namespace {
 
+using oracle::seeded_surface_of;
 using oracle::surface_of;
 
 dquat any_turn(Random& random) { return rotation_from_vector(random.range(0.0, kPi) * any_direction(random)); }
@@ -34,6 +35,11 @@ Shape any_solid(Solids solids, Random& random) {
 oracle::Solid solid_at(const Shape& shape, const Pose& pose) {
     const Box* box = std::get_if<Box>(&shape);
     return box != nullptr ? oracle::solid_of(*box, pose, dvec3{0.0}) : oracle::solid_of(*std::get<ConvexHullPtr>(shape), pose, dvec3{0.0});
+}
+
+ConvexHullPtr hull_of(const Shape& shape) {
+    const Box* box = std::get_if<Box>(&shape);
+    return box != nullptr ? *ConvexHull::build(oracle::corners_of(*box)) : std::get<ConvexHullPtr>(shape);
 }
 
 // Six sides of n x n quads; corners of neighbouring sides are at the same positions.
@@ -89,10 +95,34 @@ ManifoldCasesPtr solid_cases(Solids solids, std::size_t count, const DepthRange&
     return cases;
 }
 
+ManifoldCasesPtr pierced_cases(std::size_t count, std::uint64_t seed) {
+    auto cases = std::make_shared<ManifoldCases>();
+    Random random(seed);
+    const auto thin = [&] { return static_cast<float>(random.range(0.01, 0.05)); };
+    const auto wide = [&] { return static_cast<float>(random.range(0.2, 0.5)); };
+    for (std::size_t k = 0; k < count; ++k) {
+        const vec3 bar{thin(), 1.0f, thin()}, plate{wide(), thin(), wide()};
+        const Pose pose_b{dvec3{0.0}, any_turn(random)}, turned{dvec3{0.0}, any_turn(random)};
+        // A point of the bar's middle line lies in a point of the plate.
+        const dvec3 on_bar{0.0, random.range(-0.9, 0.9), 0.0};
+        const dvec3 share{random.range(-1.0, 1.0), random.range(-1.0, 1.0), random.range(-1.0, 1.0)};
+        const Pose pose_a{rotate(pose_b.orientation, share * dvec3(plate)) - rotate(turned.orientation, on_bar), turned.orientation};
+        const Box a{bar}, b{plate};
+        cases->add(a, pose_a, b, pose_b);
+        cases->depth.push_back(-static_cast<double>(oracle::greatest_separation(solid_at(a, pose_a), solid_at(b, pose_b)).value));
+    }
+    cases->number(0.0f);
+    return cases;
+}
+
 ManifoldCasesPtr as_surfaces(const ManifoldCases& solids, const SurfaceSettings& settings) {
     auto cases = std::make_shared<ManifoldCases>(solids);
     for (std::size_t i = settings.first ? 0 : 1; i < cases->shapes.size(); i += settings.first ? 1 : 2) {
         Shape& shape = cases->shapes[i];
+        if (settings.seeded) {
+            shape = seeded_surface_of(*hull_of(shape));
+            continue;
+        }
         const Box* box = std::get_if<Box>(&shape);
         const TriangleMeshPtr surface = box != nullptr ? surface_of(*box, settings.quads) : surface_of(*std::get<ConvexHullPtr>(shape));
         shape = surface;

@@ -15,13 +15,18 @@ struct DepthRange {
     double least = 0.0, most = 0.01;
 };
 
-/// Boxes, or hulls of 32 points, turned evenly, that overlap by an even share of the range. The oracle is the least overlap along all normals of
+/// Pairs, turned evenly, that overlap by an even share of the range. The oracle is the least overlap along all normals of
 /// faces and products of edges, in long double: that of their surfaces too.
 [[nodiscard]] ManifoldCasesPtr solid_cases(Solids solids, std::size_t count, const DepthRange& range, std::uint64_t seed);
+
+/// Boxes: bars of 2 m that are 2 to 10 cm thick, through plates of 0.4 to 1 m that are 2 to 10 cm thick; as above. The middle line of each bar
+/// passes through its plate.
+[[nodiscard]] ManifoldCasesPtr pierced_cases(std::size_t count, std::uint64_t seed);
 
 struct SurfaceSettings {
     bool first = true;  ///< the first of each pair as well as the second
     int quads = 1;      ///< along each edge of a box; hulls have the triangles of their faces
+    bool seeded = false;  ///< with a tiny tetrahedron in its middle, so that it is not taken for the convex solid that it bounds otherwise
 };
 
 /// The same pairs as closed meshes: depths and sizes stay those of the solids.

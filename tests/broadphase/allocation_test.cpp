@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 #include <support/count_allocations.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -44,6 +45,40 @@ TEST(Allocation, StopsOnceWarm) {
             EXPECT_EQ(test::allocations(), before) << to_string(method) << ", one in " << share;
             EXPECT_GT(pairs, 0u);
         }
+    }
+}
+
+// Boxes in a crowd, of which most part: the lists of pairs were long once, and are given back.
+TEST(Allocation, GivesBackWhatACrowdTook) {
+    SerialExecutor executor;
+    for (const BroadphaseMethod method : kBroadphaseMethods) {
+        constexpr std::size_t kCount = 2000;
+        Random random(23);
+        std::vector<FloatAabb> boxes;
+        std::vector<std::uint32_t> moved;
+        for (std::uint32_t i = 0; i < kCount; ++i) {
+            const vec3 at{dvec3{random.range(0, 9), random.range(0, 9), random.range(0, 9)}};
+            boxes.push_back({at, at + vec3{1.0f}});
+            moved.push_back(i);
+        }
+        const std::vector<ProxyFilter> filters(kCount);
+        Broadphase broadphase({.method = method});
+        const long before = test::bytes_held();
+        const std::size_t crowded = broadphase.update({boxes, filters, moved, {}}, executor).pairs.size();
+        broadphase.update({boxes, filters, moved, {}}, executor);
+        const long most = test::bytes_held() - before;
+        for (FloatAabb& box : boxes) box = {3.0f * box.lower, 3.0f * box.lower + vec3{1.0f}};
+        Broadphase fresh({.method = method});
+        const PairUpdate& want = fresh.update({boxes, filters, moved, {}}, executor);
+        const long least = test::bytes_held();
+        for (int k = 0; k < 130; ++k) {
+            const PairUpdate& found = broadphase.update({boxes, filters, moved, {}}, executor);
+            ASSERT_TRUE(std::ranges::equal(found.pairs, want.pairs)) << to_string(method) << ", update " << k;
+            ASSERT_EQ(found.ended.empty(), k > 0) << to_string(method) << ", update " << k;
+        }
+        ASSERT_LT(4 * want.pairs.size(), crowded);
+        const long given_back = least - test::bytes_held();
+        EXPECT_GT(given_back, static_cast<long>(3 * sizeof(ProxyPair) * crowded)) << to_string(method) << " of " << most;
     }
 }
 

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 #include <boost/multiprecision/cpp_int.hpp>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -37,6 +38,48 @@ TEST(RoundOutward, IsTheTightestFloatBoxThatHoldsTheBox) {
         ASSERT_GE(Rational(r.upper.x), upper);
         ASSERT_GT(Rational(std::nextafter(r.lower.x, kInfinity)), lower) << std::hexfloat << a << " " << b << " " << origin;
         ASSERT_LT(Rational(std::nextafter(r.upper.x, -kInfinity)), upper) << std::hexfloat << a << " " << b << " " << origin;
+    }
+}
+
+TEST(RoundOutward, WhatIsBeyondIsToldWithoutRounding) {
+    Random random(0x0b7);
+    int beyond = 0, within = 0;
+    for (int i = 0; i < 20000; ++i) {
+        const double a = adversarial(random), b = adversarial(random), origin = i % 3 == 0 ? a : adversarial(random);
+        const Aabb box{dvec3{std::fmin(a, b)}, dvec3{std::fmax(a, b)}};
+        const FloatAabb r = round_outward(box, dvec3{origin});
+        EXPECT_FALSE(is_beyond(box, dvec3{origin}, r));
+        for (int k = 0; k < 6; ++k) {  // one bound of six moved by a float, inward or outward
+            FloatAabb known = r;
+            float& bound = k < 3 ? known.lower[k] : known.upper[k - 3];
+            bound = std::nextafter(bound, i % 2 == 0 ? INFINITY : -INFINITY);
+            const bool rounded = r.lower[k % 3] < known.lower[k % 3] || r.upper[k % 3] > known.upper[k % 3];
+            ASSERT_EQ(is_beyond(box, dvec3{origin}, known), rounded) << std::hexfloat << a << " " << b << " " << origin << " " << k;
+            ++(rounded ? beyond : within);
+        }
+    }
+    EXPECT_GT(beyond, 50000);
+    EXPECT_GT(within, 50000);
+}
+
+TEST(RoundOutward, ABoxAboutAPathHoldsIt) {
+    Random random(0x9a7);
+    for (int i = 0; i < 20000; ++i) {
+        SweepPath path;
+        for (int k = 0; k < 3; ++k)
+            path.origin[k] = adversarial(random), path.direction[k] = adversarial(random), path.grow[k] = std::abs(adversarial(random));
+        path.t_max = std::abs(adversarial(random));
+        const FloatAabb box = box_about(path);
+        for (const double t : {0.0, random.unit() * path.t_max, path.t_max}) {
+            for (int k = 0; k < 3; ++k) {
+                const Rational at = Rational(path.origin[k]) + Rational(t) * Rational(path.direction[k]);
+                // Beyond every float there is no box.
+                const Rational most = Rational(std::numeric_limits<float>::max());
+                const Rational lower = at - Rational(path.grow[k]), upper = at + Rational(path.grow[k]);
+                ASSERT_TRUE(lower < -most || Rational(box.lower[k]) <= lower) << i;
+                ASSERT_TRUE(upper > most || Rational(box.upper[k]) >= upper) << i;
+            }
+        }
     }
 }
 

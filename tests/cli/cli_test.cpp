@@ -203,7 +203,7 @@ TEST(Cli, AReportHasEveryKey) {
         EXPECT_TRUE(stage.at("stage").is_string() && stage.at("run").is_boolean());
         EXPECT_NE(stage.at("reason"), "");
     }
-    for (const char* key : {"stiff", "solved", "too_large", "moving", "waiting", "fell_back", "iterations", "factorisations", "operations"}) {
+    for (const char* key : {"stiff", "solved", "too_large", "ordered", "moving", "waiting", "fell_back", "iterations", "factorisations", "operations"}) {
         EXPECT_GE(json.at("direct").at(key), 0) << key;
     }
     const Json& time = json.at("time_ms");

@@ -3,6 +3,7 @@
 
 #include <carom/core/random.hpp>
 #include <carom/core/simd_width.hpp>
+#include <carom/dynamics/detail/minimum_degree.hpp>
 
 #include <Eigen/Cholesky>
 #include <Eigen/Core>
@@ -11,6 +12,7 @@
 #include <bit>
 #include <limits>
 #include <cstdint>
+#include <utility>
 #include <vector>
 
 namespace carom::dynamics {
@@ -111,6 +113,37 @@ TEST(BlockCholesky, RefusesWhatCostsMoreThanItMay) {
     const std::size_t cost = factor.operations();
     EXPECT_TRUE(factor.analyse(p.rows, p.edges, cost));
     EXPECT_FALSE(factor.analyse(p.rows, p.edges, cost - 1));
+}
+
+// Cliques, chains, grids and random graphs: the verdict is that of the whole order, and comes before it where what is left is known to cost too much.
+TEST(MinimumDegree, TheVerdictIsThatOfTheWholeOrderAndComesEarly) {
+    std::vector<std::pair<std::int32_t, std::vector<BlockEdge>>> graphs(3);
+    graphs[0].first = 40, graphs[1].first = 300, graphs[2].first = 400;
+    for (std::int32_t a = 0; a < 40; ++a) {
+        for (std::int32_t b = 0; b < a; ++b) graphs[0].second.push_back({a, b});
+    }
+    for (std::int32_t i = 0; i + 1 < 300; ++i) graphs[1].second.push_back({i, i + 1});
+    for (std::int32_t i = 0; i < 400; ++i) {
+        if (i % 20 != 0) graphs[2].second.push_back({i - 1, i});
+        if (i >= 20) graphs[2].second.push_back({i - 20, i});
+    }
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+        const auto rows = static_cast<std::int32_t>(5 * seed);
+        graphs.push_back({rows, random_problem(seed, rows, static_cast<int>(3 * seed * (1 + seed % 4))).edges});
+    }
+    for (const auto& [rows, edges] : graphs) {
+        SCOPED_TRACE(testing::Message() << rows << " rows, " << edges.size() << " edges");
+        EliminationOrder order;
+        ASSERT_TRUE(order_by_minimum_degree(rows, edges, 1'000'000'000, order));
+        const std::size_t cost = order.operations;
+        EXPECT_TRUE(order_by_minimum_degree(rows, edges, cost, order));
+        EXPECT_EQ(order.operations, cost);
+        EXPECT_FALSE(order_by_minimum_degree(rows, edges, cost - 1, order));
+    }
+    EliminationOrder order;
+    EXPECT_FALSE(order_by_minimum_degree(40, graphs[0].second, 40 * 41 * 42 / 6 - 1, order));  // a clique costs 1 + 3 + 6 + ... + 40 * 41 / 2
+    EXPECT_TRUE(order.row_at.empty()) << "known from the first row";
+    EXPECT_TRUE(order_by_minimum_degree(40, graphs[0].second, 40 * 41 * 42 / 6, order));
 }
 
 TEST(BlockCholesky, SaysThatAMatrixIsNotPositiveDefinite) {

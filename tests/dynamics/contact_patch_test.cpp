@@ -1,7 +1,7 @@
 // A contact set that changes in places is the one that is made anew.
 #include <carom/core/random.hpp>
 #include <carom/dynamics/detail/coloring.hpp>
-#include <carom/dynamics/detail/contact_set.hpp>
+#include <carom/dynamics/detail/contact_patch.hpp>
 
 #include <gtest/gtest.h>
 

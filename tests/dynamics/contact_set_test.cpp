@@ -1,9 +1,12 @@
 // Impulses follow their features from step to step, and only those.
-#include <carom/dynamics/detail/contact_set.hpp>
+#include <carom/dynamics/detail/carried_contacts.hpp>
 
 #include "odd_executors.hpp"
 
 #include <gtest/gtest.h>
+
+#include <span>
+#include <vector>
 
 namespace carom::dynamics {
 namespace {
@@ -13,6 +16,13 @@ Manifold manifold_of(std::uint32_t pair, std::initializer_list<std::uint64_t> fe
     m.pair = pair;
     for (const std::uint64_t f : features) m.points[m.count++].feature = f;
     return m;
+}
+
+CarriedContacts carried(const ContactSet& set) {
+    SerialExecutor executor;
+    CarriedContacts out;
+    out.take(set, executor);
+    return out;
 }
 
 ContactSet set_of(std::initializer_list<std::uint64_t> keys, std::vector<Manifold> manifolds, const ContactSet& before = {}, float scale = 1.0f,
@@ -27,7 +37,7 @@ ContactSet set_of(std::initializer_list<std::uint64_t> keys, std::vector<Manifol
         pair.shape_a = {1, 7};
         pair.shape_b = {2, generation};
         return pair;
-    }, before, scale, executor);
+    }, carried(before), scale, executor);
     return set;
 }
 
@@ -64,7 +74,7 @@ TEST(ContactSet, PairsOfManyPartsAreThoseOfOneOnAnyThreads) {
             test::OddExecutor executor(threads, how);
             ContactSet set;
             set.manifolds = manifolds;
-            link_manifolds(set, make, set_of({5}, {manifold_of(0, {1})}), 1.0f, executor);
+            link_manifolds(set, make, carried(set_of({5}, {manifold_of(0, {1})})), 1.0f, executor);
             ASSERT_EQ(set.pairs.size(), sizes.size()) << name;
             std::uint32_t next = 0;
             for (std::size_t i = 0; i < sizes.size(); ++i) {
@@ -115,6 +125,73 @@ TEST(ContactSet, AnotherGenerationIsAnotherPair) {
     before.impulses[0][0].normal = 3.0f;
     EXPECT_EQ(set_of({10}, {manifold_of(0, {5})}, before).impulses[0][0].normal, 3.0f);
     EXPECT_EQ(set_of({10}, {manifold_of(0, {5})}, before, 1.0f, 8).impulses[0][0].normal, 0.0f);
+}
+
+TEST(ContactSet, PointsOfAPairAreFoundInAnyOfItsManifolds) {
+    ContactSet before = set_of({10}, {manifold_of(0, {1, 2}), manifold_of(0, {3, 2})});
+    EXPECT_EQ(before.pairs[0].point_count, 4u);
+    before.impulses[0][0].normal = 1.0f;
+    before.impulses[0][1].normal = 2.0f;
+    before.impulses[1][0].normal = 3.0f;
+    before.impulses[1][1].normal = 4.0f;
+    const ContactSet now = set_of({10}, {manifold_of(0, {3, 1}), manifold_of(0, {2, 2, 2})}, before);
+    EXPECT_EQ(now.impulses[0][0].normal, 3.0f);
+    EXPECT_EQ(now.impulses[0][1].normal, 1.0f);
+    EXPECT_EQ(now.impulses[1][0].normal, 2.0f);
+    EXPECT_EQ(now.impulses[1][1].normal, 4.0f);
+    EXPECT_EQ(now.impulses[1][2].normal, 0.0f);
+}
+
+TEST(CarriedContacts, AreTheSameOnAnyThreadsAndTakeAQuarterOfTheContacts) {
+    std::vector<Manifold> manifolds;
+    for (std::uint32_t pair = 0; pair < 1500; ++pair) {
+        for (std::uint32_t m = 0; m < 1 + pair % 3; ++m) manifolds.push_back(manifold_of(pair, {7 * pair + m, pair, 9}));
+    }
+    ContactSet set;
+    set.manifolds = manifolds;
+    SerialExecutor serial;
+    link_manifolds(set, [](std::uint32_t candidate) {
+        ContactPair pair;
+        pair.key = 2 * candidate;
+        return pair;
+    }, {}, 1.0f, serial);
+    for (std::size_t m = 0; m < manifolds.size(); ++m) set.impulses[m][1].normal = static_cast<float>(m);
+    for (const auto& [name, how] : test::odd_ways()) {
+        test::OddExecutor executor(3, how);
+        CarriedContacts out;
+        out.take(set, executor);
+        ASSERT_EQ(out.pairs().size(), set.pairs.size()) << name;
+        std::size_t m = 0;
+        for (std::size_t i = 0; i < set.pairs.size(); ++i) {
+            ASSERT_EQ(out.pairs()[i].key, 2 * i) << name;
+            const std::span<const CarriedPoint> points = out.points_of(out.pairs()[i]);
+            ASSERT_EQ(points.size(), 3 * (1 + i % 3)) << name;
+            for (std::size_t p = 0; p < points.size(); p += 3, ++m) {
+                ASSERT_EQ(points[p].feature, 7 * i + p / 3) << name;
+                ASSERT_EQ(points[p + 1].impulse.normal, static_cast<float>(m)) << name;
+            }
+        }
+    }
+    // Of a pile's pairs, which have one manifold with two points: 72 of 256 bytes.
+    EXPECT_EQ(sizeof(CarriedPair) + 2 * sizeof(CarriedPoint), 72u);
+    EXPECT_EQ(sizeof(ContactPair) + sizeof(Manifold) + sizeof(ManifoldImpulses), 256u);
+}
+
+TEST(CarriedContacts, WhatWakesComesInByKey) {
+    CarriedContacts all = carried(set_of({10, 30}, {manifold_of(0, {1, 2}), manifold_of(1, {3})}));
+    ContactSet woken = set_of({5, 20, 40}, {manifold_of(0, {4}), manifold_of(1, {5, 6, 7}), manifold_of(2, {8})});
+    woken.impulses[1][2].normal = 6.0f;
+    all.add(woken);
+    std::vector<std::uint64_t> keys, features;
+    for (const CarriedPair& pair : all.pairs()) {
+        keys.push_back(pair.key);
+        for (const CarriedPoint& point : all.points_of(pair)) features.push_back(point.feature);
+    }
+    EXPECT_EQ(keys, (std::vector<std::uint64_t>{5, 10, 20, 30, 40}));
+    EXPECT_EQ(features, (std::vector<std::uint64_t>{4, 1, 2, 5, 6, 7, 3, 8}));
+    EXPECT_EQ(all.points_of(all.pairs()[2])[2].impulse.normal, 6.0f);
+    all.clear();
+    EXPECT_TRUE(all.pairs().empty());
 }
 
 TEST(ContactSet, SummaryCountsOverlapsOnly) {

@@ -91,7 +91,9 @@ Errors errors_of(const DirectProblem& problem) {
 
 DirectResult solve(DirectProblem& problem, const DirectSettings& settings = kSettings) {
     DirectNewton newton;
-    EXPECT_TRUE(newton.analyse(problem, 1'000'000));
+    std::vector<ContactLink> links;
+    for (const DirectContact& c : problem.contacts) links.push_back({c.a, c.b, 1});
+    EXPECT_TRUE(newton.analyse(problem.bodies.size(), links, 1'000'000));
     return newton.solve(problem, settings);
 }
 

@@ -131,6 +131,47 @@ TEST(Direct, IslandsThatCostTooMuchStaySoftAndAreCounted) {
     EXPECT_EQ(report.direct.solved, 0u);
 }
 
+/// Boxes side by side on two, row upon row.
+struct Pyramid {
+    static constexpr int kBase = 14;
+    Table table;
+    std::vector<std::vector<BodyId>> rows;
+
+    explicit Pyramid(const WorldDef& def) : table(def) {
+        for (int row = 0; row < kBase; ++row) {
+            rows.emplace_back();
+            for (int i = 0; i < kBase - row; ++i) rows.back().push_back(table.add({.position = {1.1 * i + 0.55 * row, 0.5 + row, 0}}, Box{vec3{0.5f}}));
+        }
+    }
+    /// Sums over so many steps.
+    DirectCounts run(int steps) {
+        DirectCounts sum;
+        for (int i = 0; i < steps; ++i) {
+            const DirectCounts counts = table.world.step(kDt).direct;
+            sum.ordered += counts.ordered;
+            sum.too_large += counts.too_large;
+            sum.solved += counts.solved;
+        }
+        return sum;
+    }
+};
+
+// To find the order of elimination takes as long as the steps in between: what was too dear stays so while it is as large.
+TEST(Direct, AnIslandThatCostsTooMuchIsNotOrderedAgainUntilItShrinks) {
+    Pyramid pyramid({.contact_method = ContactMethod::Direct, .direct_budget = 1600});
+    const DirectCounts first = pyramid.run(300);
+    EXPECT_EQ(first.ordered, 1u);
+    EXPECT_EQ(first.too_large, 300u);
+    EXPECT_EQ(first.solved, 0u);
+    for (std::size_t row = 7; row < pyramid.rows.size(); ++row) {
+        for (const BodyId box : pyramid.rows[row]) pyramid.table.world.destroy_body(box);
+    }
+    const DirectCounts then = pyramid.run(300);
+    EXPECT_EQ(then.ordered, 1u) << "whose contacts stay as they are";
+    EXPECT_GT(then.solved, 0u);
+    EXPECT_EQ(then.solved + then.too_large, 300u) << "it waits for the next look";
+}
+
 TEST(Direct, AHeavyBoxThatFallsOnALightOneGainsNoEnergy) {
     Column column({1.0});
     const BodyId heavy = column.table.add({.position = {0.1, 3.0, 0}}, Box{vec3{0.5f}}, {.density = 1000.0});

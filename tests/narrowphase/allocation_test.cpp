@@ -41,5 +41,26 @@ TEST(Allocation, NoneOnceWarm) {
     EXPECT_GT(count, pairs.size() / 2);
 }
 
+// Manifolds wait for their place by blocks of pairs, so a batch takes little more for a pair than its manifold.
+TEST(Allocation, ABatchHoldsNoMoreThanABlockOfItsPairs) {
+    const Shape box = Box{vec3{0.5f}};
+    const std::vector<const Shape*> shapes = {&box, &box};
+    const std::vector<Pose> poses = {{}, {{0.1, 0.99, 0}, kIdentityRotation}};
+    SerialExecutor executor;
+    const auto held = [&](std::size_t count) {
+        const std::vector<NumberedPair> pairs(count, NumberedPair{0, 1, 0.02f});
+        std::vector<Manifold> out;
+        out.reserve(count);
+        const long before = bytes_held();
+        CollideScratch scratch;
+        collide(PlacedShapes{shapes, poses}, pairs, executor, scratch, out);
+        EXPECT_EQ(out.size(), count);
+        return bytes_held() - before;
+    };
+    const long few = held(4'000), many = held(20'000);
+    EXPECT_LT(few, 64 * 4'000);
+    EXPECT_LT(many - few, 4 * 16'000);
+}
+
 }  // namespace
 }  // namespace carom

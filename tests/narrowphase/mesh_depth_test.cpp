@@ -15,6 +15,7 @@ namespace carom {
 namespace {
 
 using namespace test;
+using oracle::seeded_surface_of;
 using oracle::surface_of;
 
 constexpr ShapeType kSolids[] = {ShapeType::Sphere,     ShapeType::Box,      ShapeType::Capsule,
@@ -94,7 +95,7 @@ TEST(MeshDepth, ALittleWayInABallItIsThatOfTheSolid) {
     constexpr int kPairs = 2000;
     for (int i = 0; i < kPairs; ++i) {
         const ConvexHullPtr hull = random_hull(r, 32, 0.4, 0.9);
-        const Shape solid = hull, surface = surface_of(*hull), other = random_hull(r, 24, 0.3, 0.8);
+        const Shape solid = hull, surface = seeded_surface_of(*hull), other = random_hull(r, 24, 0.3, 0.8);
         Pose at{random_direction(r) * r.range(1.2, 1.6), random_rotation(r)};
         const std::vector<Manifold> apart = collide_all(other, at, solid, {}, 2.0f);
         ASSERT_EQ(apart.size(), 1u);
@@ -108,6 +109,46 @@ TEST(MeshDepth, ALittleWayInABallItIsThatOfTheSolid) {
     }
     EXPECT_LT(sum / kPairs, 5e-5);
     EXPECT_LT(deeper, kPairs / 10);
+}
+
+// Deep in a surface each triangle has a way out of its own; what counts is the shortest after which the shape is free of all.
+TEST(MeshDepth, DeepInABallItIsThatOfTheSolid) {
+    Random r(78);
+    double sum = 0.0;
+    int deep = 0, wrong = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const ConvexHullPtr hull = random_hull(r, 32, 0.4, 0.9);
+        const Shape solid = hull, surface = seeded_surface_of(*hull), other = random_hull(r, 24, 0.3, 0.8);
+        Pose at{random_direction(r) * r.range(1.2, 1.6), random_rotation(r)};
+        const std::vector<Manifold> apart = collide_all(other, at, solid, {}, 2.0f);
+        ASSERT_EQ(apart.size(), 1u);
+        at.position += (static_cast<double>(least_separation(apart[0])) + r.range(0.01, 0.15)) * dvec3(apart[0].normal);
+        const std::vector<Manifold> s = collide_all(other, at, solid, {}, 0.0f), m = collide_all(other, at, surface, {}, 0.0f);
+        if (s.empty()) continue;
+        ASSERT_FALSE(m.empty()) << i;
+        const double error = static_cast<double>(least_separation(s[0])) - static_cast<double>(least_separation(m[0]));
+        EXPECT_GT(error, -2e-6) << i << ": never shallower";
+        ++deep;
+        sum += std::abs(error);
+        wrong += error > 1e-3 ? 1 : 0;
+    }
+    EXPECT_GT(deep, 1900);
+    EXPECT_LT(sum / deep, 3e-4);   // 1.6e-3 where each triangle speaks for itself
+    EXPECT_LT(wrong, deep / 40);  // a seventh
+}
+
+// Each wall of a valley is in the way of the other's way out: both push.
+TEST(MeshDepth, DeepInAValleyBothWallsPush) {
+    const Shape valley = ground_of(64, [](double x, double) { return std::abs(x); }), box = Box{{0.3f, 0.3f, 0.3f}};
+    const dquat turn = about({0, 0, 1}, 0.25 * kPi);
+    const double drop = 0.1;  // below where its lower edge lies in the bottom
+    const std::vector<Manifold> m = collide_all(box, {{0.0, 0.3 * std::sqrt(2.0) - drop, 0.0}, turn}, valley, {}, 0.0f);
+    ASSERT_EQ(m.size(), 2u);
+    for (const Manifold& x : m) {
+        EXPECT_NEAR(least_separation(x), -static_cast<float>(drop / std::sqrt(2.0)), 1e-5f);
+        EXPECT_NEAR(std::abs(x.normal.x), std::sqrt(0.5f), 1e-4f);
+    }
+    EXPECT_NEAR(m[0].normal.x + m[1].normal.x, 0.0f, 1e-4f);
 }
 
 // Both judged without the kernels of meshes: explain() looks at each triangle by itself.
@@ -131,7 +172,8 @@ TEST(MeshDepth, WhateverOverlapsABallOfItsSizeHasAManifold) {
     for (const ShapeType type : kSolids) {
         Random r(700 + static_cast<std::uint64_t>(type));
         for (int i = 0; i < 2000; ++i) {
-            const Shape ball = surface_of(*random_hull(r, 12 + 30 * (i % 4), 0.4, 0.9)), shape = random_shape(type, r);
+            const ConvexHullPtr hull = random_hull(r, 12 + 30 * (i % 4), 0.4, 0.9);
+            const Shape ball = i % 3 == 0 ? surface_of(*hull) : seeded_surface_of(*hull), shape = random_shape(type, r);
             expect_reported(shape, {random_direction(r) * r.range(0.0, 1.6), random_rotation(r)}, ball, i);
         }
     }

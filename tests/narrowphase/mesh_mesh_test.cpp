@@ -19,6 +19,7 @@ namespace carom {
 namespace {
 
 using namespace test;
+using oracle::seeded_surface_of;
 using oracle::surface_of;
 
 TriangleMeshPtr flat_ground() {
@@ -111,6 +112,13 @@ TEST(MeshMesh, ACornerOfARoomPushesOnBothWalls) {
         EXPECT_NEAR(std::abs(x.normal.x) + std::abs(x.normal.y), 1.0f, 1e-5f);
     }
     EXPECT_NEAR(m[0].normal.x + m[1].normal.x, 1.0f, 1e-5f);
+    // However deep: no way out of the whole takes the place of two that lead out together.
+    const std::vector<Manifold> deep = collide_all(crate, {{1.6, -1.6, 0.2}}, room, {}, 0.01f);
+    ASSERT_EQ(deep.size(), 2u);
+    for (const Manifold& x : deep) {
+        EXPECT_NEAR(least_separation(x), -0.1f, 1e-6f);
+        EXPECT_NEAR(std::abs(x.normal.x) + std::abs(x.normal.y), 1.0f, 1e-5f);
+    }
 }
 
 // Surfaces of hulls: apart as far as the hulls, with their normal; a little overlapping, as deep as the hulls.
@@ -119,7 +127,8 @@ TEST(MeshMesh, SurfacesOfHullsAreAsFarAsTheHulls) {
     int near = 0, shallow = 0, agree = 0;
     for (int i = 0; i < 2500; ++i) {
         const ConvexHullPtr p = random_hull(r, 16, 0.4, 0.8), q = random_hull(r, 24, 0.3, 0.6);
-        const Shape solid_p = p, solid_q = q, surface_p = surface_of(*p), surface_q = surface_of(*q);
+        // Of the second kind contacts are those of triangles.
+        const Shape solid_p = p, solid_q = q, surface_p = surface_of(*p), surface_q = i % 2 == 0 ? surface_of(*q) : seeded_surface_of(*q);
         const Pose pose{random_direction(r) * r.range(0.5, 1.4), random_rotation(r)};
         const std::vector<Manifold> s = collide_all(solid_p, pose, solid_q, {}, 0.1f), m = collide_all(surface_p, pose, surface_q, {}, 0.1f);
         if (s.empty()) {
@@ -149,8 +158,39 @@ TEST(MeshMesh, SurfacesOfHullsAreAsFarAsTheHulls) {
     EXPECT_GT(agree, shallow * 8 / 10) << shallow;
 }
 
+// Deeper than triangles are large: one way out of the whole, about as long as that of the solids, and it does lead out.
+TEST(MeshMesh, DeepInEachOtherAWayOutOfTheWholeIsFound) {
+    Random r(9);
+    int deep = 0, held = 0;
+    double sum = 0.0;
+    for (int i = 0; i < 600; ++i) {
+        const ConvexHullPtr p = random_hull(r, 32, 0.4, 0.9), q = random_hull(r, 24, 0.3, 0.8);
+        const TriangleMeshPtr mesh_p = seeded_surface_of(*p), mesh_q = seeded_surface_of(*q);
+        const Shape solid_p = p, solid_q = q, surface_p = mesh_p, surface_q = mesh_q;
+        Pose pose{random_direction(r) * r.range(1.2, 1.6), random_rotation(r)};
+        const std::vector<Manifold> apart = collide_all(solid_p, pose, solid_q, {}, 2.0f);
+        ASSERT_EQ(apart.size(), 1u);
+        pose.position += (static_cast<double>(least_separation(apart[0])) + r.range(0.05, 0.15)) * dvec3(apart[0].normal);
+        const std::vector<Manifold> s = collide_all(solid_p, pose, solid_q, {}, 0.0f), m = collide_all(surface_p, pose, surface_q, {}, 0.0f);
+        ASSERT_FALSE(s.empty()) << i;
+        ASSERT_FALSE(m.empty()) << i;
+        const double truth = static_cast<double>(least_separation(s[0])), found = static_cast<double>(least_separation(m[0]));
+        EXPECT_LT(found, 0.9 * truth) << i;
+        EXPECT_GT(found, 1.5 * truth) << i;
+        ++deep;
+        sum += std::abs(found - truth);
+        Pose out = pose;
+        out.position += (found - 1e-4) * dvec3(m[0].normal);
+        held += meshes_overlap(mesh_q->bvh(), mesh_p->bvh(), out);
+    }
+    EXPECT_LT(sum / deep, 2e-3);
+    EXPECT_LT(held, deep / 50);
+}
+
 TEST(MeshMesh, InsideOfAClosedMeshIsLedOutAndSaidToBeUndecided) {
-    const Shape outer = box_mesh({1.0f, 1.0f, 1.0f}, 3), inner = box_mesh({0.1f, 0.1f, 0.1f}, 1);
+    // Beside the outer one stands another box, so that together they are no convex solid.
+    const TriangleMeshPtr large = box_mesh({1.0f, 1.0f, 1.0f}, 3), small = box_mesh({0.1f, 0.1f, 0.1f}, 1);
+    const Shape outer = joined({{large}, {small, {2.0f, 0.0f, 0.0f}}}), inner = small;
     std::vector<Manifold> out;
     const ShapePair pair{&inner, &outer, {{0.3, 0.1, 0.05}}, {}, 0.01f};
     EXPECT_EQ(collide(pair, 0, out), CollideStatus::Undecided);

@@ -8,6 +8,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cstring>
 
 namespace carom {
@@ -239,18 +240,21 @@ TEST(Reuse, WhatRollsKeepsItsContactBelowItsCore) {
     EXPECT_NEAR(deep.found[0].points[0].separation, 2.5e-3 - 1.0, 1e-6);
 }
 
-TEST(Reuse, ThreadsAndSimdWidthsChangeNothing) {
-    class Three final : public Executor {
-    public:
-        [[nodiscard]] int thread_count() const noexcept override { return 3; }
-        void parallel_for(std::size_t count, std::size_t grain, Body body) override {
-            for (std::size_t end = count; end > 0;) {  // the last range first
-                const std::size_t begin = (end - 1) / grain * grain;
-                body(begin, end);
-                end = begin;
-            }
+// Says that it has three threads, and runs the last range first.
+class Backwards final : public Executor {
+public:
+    [[nodiscard]] int thread_count() const noexcept override { return 3; }
+    void parallel_for(std::size_t count, std::size_t grain, Body body) override {
+        for (std::size_t end = count; end > 0;) {
+            const std::size_t begin = (end - 1) / grain * grain;
+            body(begin, end);
+            end = begin;
         }
-    } three;
+    }
+};
+
+TEST(Reuse, ThreadsAndSimdWidthsChangeNothing) {
+    Backwards three;
     Random r(5);
     Crowd one = random_crowd(r, 1500, 1e-3f);
     const auto same_crowd = [] {
@@ -273,6 +277,39 @@ TEST(Reuse, ThreadsAndSimdWidthsChangeNothing) {
         }
         set_simd_width(0);
         for (std::size_t p = 0; p < one.poses.size(); p += 3) one.poses[p].position.x += 4e-4;
+        other.poses = one.poses;
+    }
+}
+
+// On one thread five blocks of pairs, on three a single one; pairs that are carried along lie among those that are not.
+TEST(Reuse, BlocksOfPairsChangeNothing) {
+    Backwards three;
+    SerialExecutor serial;
+    const auto crowd = [] {
+        Random r(8);
+        Crowd all;
+        for (int i = 0; i < 5000; ++i) {
+            const double gap = r.range(0.97, 1.1);  // some touch, some are near, some are not
+            all.add(Box{vec3{0.5f}}, Sphere{0.5f}, {{r.range(-0.3, 0.3), gap, r.range(-0.3, 0.3)}, kIdentityRotation}, 1e-3f);
+        }
+        return all;
+    };
+    Crowd one = crowd(), other = crowd();
+    for (int k = 0; k < 4; ++k) {
+        const CollideCounts counts = one.collide_again(serial);
+        EXPECT_EQ(counts.reused, other.collide_again(three).reused);
+        EXPECT_EQ(counts.reused > 0 && counts.reused < 5000, k > 0);
+        ASSERT_TRUE(same_bits(one.found, other.found)) << k;
+        ASSERT_TRUE(std::ranges::is_sorted(one.found, {}, &Manifold::pair));
+        if (k == 0) {
+            std::vector<Manifold> single;
+            for (std::uint32_t i = 0; i < one.pairs.size(); ++i) {
+                const NumberedPair& p = one.pairs[i];
+                collide({&one.shapes[p.a], &one.shapes[p.b], one.poses[p.a], one.poses[p.b], p.margin + p.slack}, i, single);
+            }
+            ASSERT_TRUE(same_bits(one.found, single));
+        }
+        for (std::size_t p = 0; p < one.poses.size(); p += 3) one.poses[p].position.x += p % 2 == 0 ? 4e-4 : 4e-3;
         other.poses = one.poses;
     }
 }

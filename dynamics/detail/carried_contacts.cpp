@@ -1,0 +1,94 @@
+#include <carom/dynamics/detail/carried_contacts.hpp>
+
+#include <carom/dynamics/detail/room.hpp>
+
+#include <algorithm>
+
+namespace carom::dynamics {
+namespace {
+
+constexpr std::size_t kPart = 256;  // pairs that a thread works on together
+
+CarriedPair carried(const ContactPair& pair, std::size_t first_point) {
+    return {pair.key, pair.shape_a.generation, pair.shape_b.generation, static_cast<std::uint32_t>(first_point), pair.point_count};
+}
+
+/// @return behind the last one written.
+CarriedPoint* write_points(const ContactSet& contacts, const ContactPair& pair, CarriedPoint* out) {
+    for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
+        const Manifold& manifold = contacts.manifolds[m];
+        for (std::size_t k = 0; k < manifold.count; ++k) *out++ = {manifold.points[k].feature, contacts.impulses[m][k]};
+    }
+    return out;
+}
+
+/// The n-th point of the feature, n from 0; null where there are not so many.
+const CarriedPoint* find_point(std::span<const CarriedPoint> points, std::uint64_t feature, int n) {
+    for (const CarriedPoint& point : points) {
+        if (point.feature == feature && n-- == 0) return &point;
+    }
+    return nullptr;
+}
+
+bool has_same_points(const Manifold& manifold, std::span<const CarriedPoint> old) {
+    if (old.size() != manifold.count) return false;
+    std::uint64_t difference = 0;
+    for (std::size_t k = 0; k < old.size(); ++k) difference |= manifold.points[k].feature ^ old[k].feature;
+    return difference == 0;
+}
+
+PointImpulse scaled(const PointImpulse& impulse, float scale) { return {scale * impulse.normal, scale * impulse.friction}; }
+
+}  // namespace
+
+void CarriedContacts::take(const ContactSet& contacts, Executor& executor) {
+    const std::size_t count = contacts.pairs.size(), parts = (count + kPart - 1) / kPart;
+    firsts_.assign(parts + 1, 0);
+    for (std::size_t i = 0; i < count; ++i) firsts_[i / kPart + 1] += contacts.pairs[i].point_count;
+    for (std::size_t part = 0; part < parts; ++part) firsts_[part + 1] += firsts_[part];
+    pairs_.resize(count);
+    points_.resize(firsts_[parts]);
+    executor.parallel_for(parts, 1, [&](std::size_t begin, std::size_t end) {
+        CarriedPoint* next = points_.data() + firsts_[begin];
+        for (std::size_t i = begin * kPart; i < std::min(count, end * kPart); ++i) {
+            pairs_[i] = carried(contacts.pairs[i], static_cast<std::size_t>(next - points_.data()));
+            next = write_points(contacts, contacts.pairs[i], next);
+        }
+    });
+}
+
+void CarriedContacts::add(const ContactSet& contacts) {
+    const auto kept = static_cast<std::ptrdiff_t>(pairs_.size());
+    for (const ContactPair& pair : contacts.pairs) {
+        pairs_.push_back(carried(pair, points_.size()));
+        points_.resize(points_.size() + pair.point_count);
+        write_points(contacts, pair, points_.data() + pairs_.back().first_point);
+    }
+    std::ranges::inplace_merge(pairs_, pairs_.begin() + kept, {}, &CarriedPair::key);
+}
+
+void CarriedContacts::clear() noexcept {
+    pairs_.clear();
+    points_.clear();
+}
+
+void CarriedContacts::trim() {
+    trim_kept(pairs_);
+    trim_kept(points_);
+}
+
+void carry_impulses(const Manifold& manifold, std::span<const CarriedPoint> old, float scale, ManifoldImpulses& impulses) noexcept {
+    impulses = {};
+    if (has_same_points(manifold, old)) {  // nearly always
+        for (std::size_t k = 0; k < old.size(); ++k) impulses[k] = scaled(old[k].impulse, scale);
+        return;
+    }
+    for (std::size_t k = 0; k < manifold.count; ++k) {
+        const std::uint64_t feature = manifold.points[k].feature;
+        int twins = 0;
+        for (std::size_t earlier = 0; earlier < k; ++earlier) twins += manifold.points[earlier].feature == feature;
+        if (const CarriedPoint* point = find_point(old, feature, twins)) impulses[k] = scaled(point->impulse, scale);
+    }
+}
+
+}  // namespace carom::dynamics

@@ -1,0 +1,41 @@
+// Memory of lists that every step fills anew: it grows with what a step needs, and goes back when steps need much less.
+//
+//   if (++steps % kTrimEvery == 0) trim_kept(contacts.pairs), trim_scratch(bundles);
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace carom::dynamics {
+
+/// Steps. What falls apart or is poured out has most contacts long before it lies still, and standard vectors double as they grow. A list whose length
+/// sways by less than a tenth is allocated once more, at most, however long it goes on.
+inline constexpr std::size_t kTrimEvery = 64;
+
+/// An eighth more than is in use: what a trimmed list has room for.
+[[nodiscard]] constexpr std::size_t with_room(std::size_t size) noexcept { return size + size / 8; }
+
+/// Whether so much more is held than is in use that it is worth a new allocation.
+[[nodiscard]] constexpr bool is_roomy(std::size_t capacity, std::size_t size) noexcept { return capacity > size + size / 4 + 32; }
+
+/// Keeps what is in the list, which moves.
+template <class T>
+void trim_kept(std::vector<T>& list) {
+    if (!is_roomy(list.capacity(), list.size())) return;
+    std::vector<T> tighter;
+    tighter.reserve(with_room(list.size()));
+    tighter.assign(list.begin(), list.end());
+    list.swap(tighter);
+}
+
+/// Of a list that is written before it is read: what is in it is lost. It is of its length still, so that who fills it finds it as it was.
+template <class T>
+void trim_scratch(std::vector<T>& list) {
+    if (!is_roomy(list.capacity(), list.size())) return;
+    const std::size_t size = list.size();
+    std::vector<T>().swap(list);
+    list.reserve(with_room(size));
+    list.resize(size);
+}
+
+}  // namespace carom::dynamics
