@@ -57,7 +57,11 @@ FloatAabb box_about(const SweepPath& path) noexcept {
     const auto rounded = [kMost](double x) { return static_cast<float>(std::clamp(x, -kMost, kMost)); };
     FloatAabb box;
     for (int k = 0; k < 3; ++k) {
-        const double way = std::clamp(path.t_max * path.direction[k], -kHuge, kHuge);
+        const double way = path.t_max * path.direction[k];
+        if (!(std::abs(path.origin[k]) + std::abs(way) + path.grow[k] < kHuge)) {  // nothing is left of sums; and not a number
+            box.lower[k] = static_cast<float>(-kMost), box.upper[k] = static_cast<float>(kMost);
+            continue;
+        }
         const double reach = path.grow[k] + (kRounding * (std::abs(path.origin[k]) + std::abs(way) + path.grow[k]) + kLeast);
         box.lower[k] = rounded((path.origin[k] + std::min(0.0, way)) - reach);
         box.upper[k] = rounded((path.origin[k] + std::max(0.0, way)) + reach);

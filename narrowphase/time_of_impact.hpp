@@ -44,7 +44,7 @@ struct TimeOfImpactSettings {
 /// axes in the place of closest points, and where neither turns and no separation is asked for, the closed form of the last axis to part them.
 /// @param cache  null, or where the search for closest points begins; see DistanceCache. Boxes rarely need it, and then it stays as it was.
 /// @return `point` on B. Clamped: at the cap on checks.
-/// Accuracy: where Touching the shapes are within separation + tolerance, with E = 1.4e-14 (1 + |rotations|) (sizes, distance, motion).
+/// Accuracy: where Touching the shapes are within separation + tolerance + 8 E, with E = 1.4e-14 (1 + |rotations|) (sizes, distance, motion).
 /// Bad input: Invalid. NaN, infinity, lengths beyond 1e70 m (of settings too), turns beyond 1e9 rad, settings out of range; of shapes sizes that
 /// are negative or not finite and a plane's normal of zero, a mesh or compound, two planes, a null hull, a plane that turns. Sizes of zero are points,
 /// segments, rectangles.

@@ -16,7 +16,7 @@ namespace {
 static_assert(sizeof(PointLanes) % sizeof(Wide<float>) == 0 && offsetof(ContactBundle, points) % sizeof(Wide<float>) == 0);
 /// A bundle has as many points as that of its lanes that has most: lanes that get more make them more, until they are laid out anew. They are counted, and not
 /// the points of the bundles, since which lanes share a bundle depends on the number of threads.
-constexpr std::size_t kMostGrown = 8;  // in so many bundles, one lane
+constexpr std::size_t kMostGrown = 8;  // in so many bundles, one lane; each gets room for its bundle at most once
 constexpr std::size_t kNumber = sizeof(float);
 constexpr std::size_t kRowsOfPoint = sizeof(PointLanes) / sizeof(Wide<float>);
 constexpr std::size_t kRowsOfHead = offsetof(ContactBundle, points) / sizeof(Wide<float>);  // the last is of manifolds
@@ -71,7 +71,8 @@ void ContactSolver::note_places() {
             }
         }
     }
-    grown_ = 0;
+    grown_ = room_made_ = 0;
+    more_points_.resize(bundles_.size() / kMostGrown);
     for (const ContactRows& rows : contact_rows_) {
         for (const std::int32_t row : {rows.a, rows.b}) {
             if (row < rows_.movable) ++contacts_of_row_[static_cast<std::size_t>(row)];
@@ -128,7 +129,7 @@ void ContactSolver::free_lane(std::uint32_t manifold) {
 }
 
 bool ContactSolver::goes_on(std::span<const unsigned char> held, const SolverSettings& settings) const {
-    return is_whole_ && kMostGrown * grown_ <= bundles_.size() && shared_.empty() && settings == settings_ && std::ranges::find(held, 1) == held.end();
+    return is_whole_ && shared_.empty() && settings == settings_ && std::ranges::find(held, 1) == held.end();
 }
 
 bool ContactSolver::resume(const ContactSet& contacts, const ContactChanges& changes, std::span<const unsigned char> held, const ProxySet& proxies,
@@ -156,6 +157,7 @@ bool ContactSolver::resume(const ContactSet& contacts, const ContactChanges& cha
     is_left_out_.assign(is_slender_.begin(), is_slender_.end());
     round_.list(proxies, bodies, row_of_slot_, is_left_out_, settings.dt);
     fill_changed_rows(contacts, changes, proxies, bodies);
+    if (grown_ > more_points_.size()) return false;  // each may need room of its own
     moves_.clear();
     places_of_.resize(contacts.manifolds.size(), kNowhere);
     for (const std::uint32_t m : changes.replaced) {
@@ -203,8 +205,8 @@ void ContactSolver::fill_changed_rows(const ContactSet& contacts, const ContactC
 }
 
 void ContactSolver::make_room(ContactBundle& bundle, std::int32_t points) {
-    std::array<PointLanes, kMaxManifoldPoints>& room = more_points_.emplace_back();
-    std::copy(bundle.points, bundle.points + bundle.point_count, room.begin());
+    std::array<PointLanes, kMaxManifoldPoints>& room = more_points_[room_made_++];
+    std::fill(std::copy(bundle.points, bundle.points + bundle.point_count, room.begin()), room.end(), PointLanes{});
     bundle.points = room.data();
     bundle.point_count = points;
 }

@@ -296,7 +296,6 @@ void ContactSolver::deal_out_points() {
         sum += most[b];
     }
     points_.resize(sum);
-    more_points_.clear();
     PointLanes* next = points_.data();
     for (std::size_t b = 0; b < bundles_.size(); ++b) next = (bundles_[b].points = next) + most[b];
 }

@@ -26,7 +26,6 @@
 
 #include <array>
 #include <cstdint>
-#include <deque>
 #include <span>
 #include <vector>
 
@@ -187,7 +186,8 @@ private:
     std::vector<Lanes> lanes_;                 // of each bundle
     std::vector<ContactBundle> bundles_;
     std::vector<PointLanes> points_;           // of the bundles, in their order
-    std::deque<std::array<PointLanes, kMaxManifoldPoints>> more_points_;  // of those that have more by now than they were laid out with
+    std::vector<std::array<PointLanes, kMaxManifoldPoints>> more_points_;  // room for those that get more than they were laid out with
+    std::size_t room_made_ = 0;                // how much of that is taken
     std::uint32_t first_overflow_bundle_ = 0;  // these are solved one after the other
     std::size_t deep_count_ = 0;
     std::size_t point_count_ = 0;

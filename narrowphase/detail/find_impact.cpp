@@ -61,7 +61,8 @@ public:
           until_(until),
           closest_(cache != nullptr ? cache : &own_),
           is_plane_(pair.b.plane_normal != dvec3{0.0}),
-          are_boxes_(pair.a.is_box() && pair.b.is_box()) {
+          are_boxes_(pair.a.is_box() && pair.b.is_box()),
+          stands_(pair.a.rotation == dvec3{0.0} && pair.b.rotation == dvec3{0.0}) {
         separation_ = settings.separation / pair.unit;
         rounding_ = pair.rounding();
         const double radii = pair.a.radius + pair.b.radius;
@@ -70,12 +71,11 @@ public:
     }
 
     Impact run() noexcept {
-        const bool stands = pair_.a.rotation == dvec3{0.0} && pair_.b.rotation == dvec3{0.0};
-        if (are_boxes_ && stands && separation_ == 0.0) {
-            if (slide_boxes()) return impact_;
-        } else if (!is_plane_) {
+        const bool slides_boxes = are_boxes_ && stands_ && separation_ == 0.0;
+        if (slides_boxes && slide_boxes()) return impact_;
+        if (!is_plane_) {
             t_ = balls_meet(pair_, separation_);
-            if (t_ <= until_ && stands) slide();
+            if (t_ <= until_ && stands_) slide();
         }
         while (t_ <= until_) {
             ++impact_.checks;
@@ -102,11 +102,7 @@ private:
         if (!slide.axis.exists()) return false;
         const double enough = near_ + 4.0 * rounding_;
         const BoxTouch touch = axes.touch(slide.axis, t_ * pair_.along, enough);
-        if (!(touch.distance <= enough)) {
-            last_ = axes.normal(slide.axis);
-            t_ = std::max(0.0, t_ - 0.5 * near_ / std::abs(glm::dot(last_, pair_.along)));  // to where closest points have a direction
-            return false;
-        }
+        if (!(touch.distance <= enough)) return false;
         impact_ = {ImpactStatus::Touching, t_, pair_.unit * (a.centre + touch.on_b), axes.normal(slide.axis), impact_.checks};
         return true;
     }
@@ -118,7 +114,7 @@ private:
         const Slide slide = slide_cores({a, b, pair_.along, t_, until_, least_, near_});
         t_ = slide.passes ? kInfinity : slide.t;
         *closest_ = slide.closest;
-        last_ = slide.normal;
+        if (slide.normal != dvec3{0.0}) last_ = slide.normal;
         ++impact_.checks;
     }
 
@@ -128,7 +124,7 @@ private:
         Moment now{pair_, pair_.a.core(t_, dvec3{0.0}), pair_.b.core(t_, between), between, 1.0 - t_};
         impact_.t = t_;
         Closest found;
-        if (!are_boxes_ || !look_at_boxes(now, found)) look_closely(now, found);
+        if (!are_boxes_ || stands_ || !look_at_boxes(now, found)) look_closely(now, found);
         if (now.gap > least_ && found.upper - separation_ > near_) {
             if (impact_.checks >= settings_.most_checks) {
                 impact_.status = ImpactStatus::Clamped;
@@ -170,7 +166,7 @@ private:
     }
 
     /// By their fifteen axes. @return whether that is enough: it is not where they are near and none of these tells how near.
-    bool look_at_boxes(Moment& now, Closest& found) const noexcept {
+    bool look_at_boxes(Moment& now, Closest& found) noexcept {
         const dvec3 middle_a = now.a.centre, middle_b = now.b.centre - now.between, between = now.b.centre - now.a.centre;
         const dvec3 &turn_a = pair_.a.rotation, &turn_b = pair_.b.rotation;
         const BoxAxes axes({now.a.half, now.a.axes, now.b.half, now.b.axes, between});
@@ -179,6 +175,7 @@ private:
         const BoxAxis axis = axes.longest({along, turn_a, turn_b, 0.25 * spin * spin * (pair_.a.reach + pair_.b.reach)}, least_);
         if (!axis.exists()) return false;
         now.part_by(axes.normal(axis));
+        last_ = now.normal;
         if (now.gap - least_ > near_) {
             found.upper = kInfinity;
         } else {
@@ -219,7 +216,7 @@ private:
     const double until_;
     DistanceCache own_;
     DistanceCache* const closest_;
-    const bool is_plane_, are_boxes_;
+    const bool is_plane_, are_boxes_, stands_;  // neither turns
     double separation_ = 0.0, rounding_ = 0.0;
     double near_ = 0.0;   // gaps up to this, beyond the separation, count as touching
     double least_ = 0.0;  // gaps of the cores up to this are none

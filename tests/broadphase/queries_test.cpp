@@ -189,6 +189,19 @@ TEST_P(Queries, RaysAlongBordersFromAfarAndThroughLongBoxes) {
 }
 
 // A walk starts where the ray does, whichever way it goes, and ends soon after the nearest box.
+TEST_P(Queries, PathsFromBeyondAllFloatsFindWhatTheyMeet) {
+    Broadphase broadphase(BroadphaseSettings{.method = GetParam()});
+    const std::vector<FloatAabb> boxes{{vec3{0.0f}, vec3{1.0f}}, {vec3{5.0f}, vec3{6.0f}}};
+    const std::vector<ProxyFilter> filters(2);
+    const std::vector<std::uint32_t> moved{0, 1};
+    SerialExecutor executor;
+    broadphase.update({boxes, filters, moved, {}}, executor);
+    for (const double far : {1e200, 1e301, 1e305}) {
+        const Slots found = visited([&](const auto& visit) { query_ray(broadphase, {far, 0.5, 0.5}, {-far, 0, 0}, 1.0, visit); });
+        EXPECT_EQ(found, Slots{0}) << far;
+    }
+}
+
 TEST(RayWalk, AsksForBoxesNearTheFirstHitOnly) {
     SerialExecutor executor;
     Random random(23);

@@ -309,6 +309,21 @@ Long last_entry(const detail::BoxPlaces& at, const dvec3& along) {
     return in <= out ? in : 2.0L;
 }
 
+// From ten thousand kilometres away, where rounding is all that is left of the gap at the end.
+TEST(MovingBoxes, WhatTouchesHasANormal) {
+    Random random(97);
+    for (int i = 0; i < 300; ++i) {
+        const Box a = any_box(random, 0.2, 1.0), b = any_box(random, 0.2, 1.0);
+        const dvec3 way = 1e8 * test::random_direction(random);
+        const auto turn = [&] { return 0.1 * dvec3{random.range(-1, 1), random.range(-1, 1), random.range(-1, 1)}; };
+        const RigidMotion of_a{.start = {dvec3{0.0}, test::random_rotation(random)}, .rotation = turn()};
+        const RigidMotion of_b{.start = {way, test::random_rotation(random)}, .translation = -2.0 * way, .rotation = turn()};
+        const Impact impact = time_of_impact(a, of_a, b, of_b, {});
+        ASSERT_EQ(impact.status, ImpactStatus::Touching) << i;
+        ASSERT_NEAR(glm::length(impact.normal), 1.0, 1e-12) << i;
+    }
+}
+
 TEST(MovingBoxes, TheLastAxisIsThatOfLongDoubles) {
     Random random(0x1a57);
     int met = 0, passed = 0;
