@@ -7,6 +7,7 @@
 #include <carom/dynamics/detail/contact_lanes.hpp>
 #include <carom/dynamics/detail/contact_prepare.hpp>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -192,9 +193,38 @@ bool any_changed(const ContactBundle& c, const unsigned char* changed) {
     return found != 0;
 }
 
+/// What a bundle had before. Lanes whose bodies have not changed get it back, to the bit: in a step that kept its contacts they have the inertia of when they were
+/// prepared, and which lanes are beside them depends on the number of threads.
+class KeptMasses {
+public:
+    explicit KeptMasses(const ContactBundle& c) : a_(c.a), b_(c.b) {
+        for (std::size_t k = 0; k < static_cast<std::size_t>(c.point_count); ++k) normal_[k] = c.points[k].normal_mass, tangent_[k] = c.points[k].tangent_mass;
+    }
+    void restore(ContactBundle& c, const unsigned char* changed) const {
+        for (std::size_t lane = 0; lane < kBundleWidth; ++lane) {
+            if ((changed[c.row_a[lane]] | changed[c.row_b[lane]]) != 0) continue;
+            put_back(a_, c.a, lane), put_back(b_, c.b, lane);
+            for (std::size_t k = 0; k < static_cast<std::size_t>(c.point_count); ++k) {
+                c.points[k].normal_mass[lane] = normal_[k][lane];
+                c.points[k].tangent_mass[lane] = tangent_[k][lane];
+            }
+        }
+    }
+
+private:
+    static void put_back(const dynamics::FrameMass& from, dynamics::FrameMass& to, std::size_t lane) {
+        to.diagonal.n[lane] = from.diagonal.n[lane], to.diagonal.t1[lane] = from.diagonal.t1[lane], to.diagonal.t2[lane] = from.diagonal.t2[lane];
+        to.n1[lane] = from.n1[lane], to.n2[lane] = from.n2[lane], to.t12[lane] = from.t12[lane], to.inverse_mass[lane] = from.inverse_mass[lane];
+    }
+
+    dynamics::FrameMass a_, b_;
+    std::array<dynamics::Wide<float>, kMaxManifoldPoints> normal_, tangent_;
+};
+
 void RenewMasses(std::span<ContactBundle> bundles, const SolverBodies& bodies, const unsigned char* changed) {
     for (ContactBundle& c : bundles) {
         if (!any_changed(c, changed)) continue;
+        const KeptMasses kept(c);
         for (int lane = 0; lane < kBundleWidth; lane += kLanes) {
             const Basis basis = make_basis(c, lane);
             const Symmetric inertia_a = turn_mass(bodies, c.row_a.data() + lane, basis, c.a, lane);
@@ -205,6 +235,7 @@ void RenewMasses(std::span<ContactBundle> bundles, const SolverBodies& bodies, c
                 put_masses(p, lane, get3(p.a, lane), get3(p.b, lane), masses, get(p.tangent_mass, lane) > broadcast(0.0f));
             }
         }
+        kept.restore(c, changed);
     }
 }
 

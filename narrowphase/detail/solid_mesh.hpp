@@ -21,14 +21,16 @@ namespace carom::detail {
 /// A mesh has two sides, and what has its centre behind the surface is pushed further in: so a closed one can be a room. But nothing can be
 /// pushed into what it has no room in.
 /// @param reach  of the shape that is held against the solid: the largest dot product of a vector of the solid's frame with a point of it.
-/// @return whether through each face that the shape reaches, the solid is wider than the shape along the face's normal.
+/// @return whether through each face that the shape reaches, the solid is wider than the shape along the face's normal, or not much narrower: what is
+/// wedged between two walls is in both by as much as a solver leaves.
+inline constexpr double kWedged = 1.02;  // of the solid's width
 template <class Reach>
 [[nodiscard]] bool has_room(const ConvexHull& solid, const Reach& reach) {
     return std::ranges::all_of(solid.faces(), [&](const ConvexHull::Face& face) {
         const double highest = reach(face.normal);
         if (highest <= face.offset) return true;
         const double bottom = glm::dot(face.normal, dvec3(solid.vertices()[solid.support(-face.normal)]));
-        return highest + reach(-face.normal) < face.offset - bottom;
+        return highest + reach(-face.normal) < kWedged * (face.offset - bottom);
     });
 }
 

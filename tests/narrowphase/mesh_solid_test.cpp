@@ -175,6 +175,24 @@ TEST(MeshSolid, WhatHasRoomInsideStaysInside) {
     }
 }
 
+// A pole that is a hair longer than the room is wide, as one is that leans in it and is held by both walls: it stays in, and on the floor.
+TEST(MeshSolid, WhatIsWedgedInARoomStaysInside) {
+    const Shape room = box_mesh({2.0f, 2.0f, 2.0f}, 1);
+    for (const float half : {1.999f, 2.001f, 2.02f}) {
+        for (const Shape& pole : {Shape{Box{{half, 0.05f, 0.05f}}}, Shape{Capsule{0.05f, half - 0.05f}}}) {
+            const bool is_box = type_of(pole) == ShapeType::Box;
+            const dquat q = is_box ? kIdentityRotation : dquat{std::sqrt(0.5), 0, 0, std::sqrt(0.5)};  // along x
+            bool stands = false;
+            for (const Manifold& m : collide_all(pole, {{0.0, -1.96, 0.0}, q}, room, {}, 0.01f)) {
+                for (const ContactPoint& point : m.used()) EXPECT_GT(point.separation, -0.11f) << half;
+                EXPECT_LT(m.normal.y, 0.5f) << "the floor pushes up, so the normal from the pole to it is down: " << half;
+                stands |= m.normal.y < -0.5f;
+            }
+            EXPECT_TRUE(stands) << half;
+        }
+    }
+}
+
 TEST(MeshSolid, AMeshInsideOfASolidIsLedOutTheShortestWay) {
     const Shape outer = box_mesh({1.0f, 1.0f, 1.0f}, 3), inner = box_mesh({0.1f, 0.1f, 0.1f}, 1);
     std::vector<Manifold> m;
