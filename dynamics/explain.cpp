@@ -49,6 +49,7 @@ struct LastStep {
     bool joints_changed = false;  ///< since the step
     double dt = 0.0;  ///< [s]
     bool looked_for_contacts = false;
+    double kept_share = 0.0;  ///< of the smallest extent, that pairs whose contacts were kept may have drifted by; 0: none were
 };
 
 class PairClimb {
@@ -201,8 +202,9 @@ private:
 
     /// Whether contacts that were carried along may be what they are: depths too large by twice the slack, points up to the slack beyond
     /// the margin, and nothing where there is something within twice the slack of it.
-    static bool may_be_carried(const StepContacts& anew, const StepContacts& had, const NumberedPair& listed) {
-        const double slack = 2.0 * static_cast<double>(listed.slack), margin = static_cast<double>(listed.margin);
+    [[nodiscard]] bool may_be_carried(const StepContacts& anew, const StepContacts& had, const NumberedPair& listed) const {
+        const double slack = 2.0 * std::max(static_cast<double>(listed.slack), dynamics::most_drift(w_.proxies, listed, w_.kept_share));
+        const double margin = static_cast<double>(listed.margin);
         if (!(slack > 0.0)) return false;
         if (anew.points == 0 && had.points == 0) return true;
         if (anew.points == 0) return had.least_separation >= margin - slack;
@@ -261,7 +263,8 @@ ContactExplanation World::explain(BodyId a, BodyId b) const {
                         .joints = w.joints,
                         .joints_changed = w.joints.version() != w.joint_solver.version(),
                         .dt = w.last_substep * w.def.substeps,
-                        .looked_for_contacts = w.looked_for_contacts};
+                        .looked_for_contacts = w.looked_for_contacts,
+                        .kept_share = w.patched ? w.def.contact_reuse : 0.0};
     const PairClimb climb(step, why.disagreements);
     for (const ShapeId shape_a : of_a->shapes) {
         for (const ShapeId shape_b : of_b->shapes) {

@@ -151,15 +151,16 @@ bool World::Impl::choose_looked(double dt) {
     if (proxies.moved.size() * kMostLooked > proxies.by_slot.size()) return false;
     if (contacts.manifolds.size() > kMostUnused + contacts.manifold_count() + contacts.manifold_count() / 8) return false;  // closes the ranks
     const auto tracked = [&](std::uint32_t body) { return arrays.roles[body] == Role::Static || (solver.holds(body) && displaced[body] == 0); };
-    for (NumberedPair& pair : candidates) {
-        const double slack = def.contact_reuse * std::min(proxies.extents[pair.a] * proxies.firmness[pair.a], proxies.extents[pair.b] * proxies.firmness[pair.b]);
-        pair.slack = static_cast<float>(slack);
+    for (const NumberedPair& pair : candidates) {
         const bool due = ((pair.a + pair.b + steps) & (kLongestKept - 1)) == 0;
-        const bool keeps = !due && (proxies.calm[pair.a] & proxies.calm[pair.b]) != 0 && proxies.drift[pair.a] + proxies.drift[pair.b] <= slack &&
+        const bool keeps = !due && (proxies.calm[pair.a] & proxies.calm[pair.b]) != 0 &&
+                           proxies.drift[pair.a] + proxies.drift[pair.b] <= dynamics::most_drift(proxies, pair, def.contact_reuse) &&
                            tracked(proxies.bodies[pair.a]) && tracked(proxies.bodies[pair.b]);
-        if (!keeps) looked.push_back(pair);
+        if (keeps) continue;
+        if (looked.size() == most) return false;
+        looked.push_back(pair);
     }
-    return looked.size() <= most;
+    return true;
 }
 
 // Looks at those, and at no others.
@@ -175,9 +176,8 @@ void World::Impl::patch_contacts(dynamics::Step& step) {
     names.now.clear();  // the narrowphase remembers other contacts
 }
 
-// What this step takes over of the contacts that the last one left.
-void World::Impl::keep_contacts(dynamics::Step& step, bool looks) {
-    if (!looks) return previous.clear();
+// What a step that finds its contacts anew takes over of those of the step before.
+void World::Impl::take_over_contacts(dynamics::Step& step) {
     step.run(Stage::Collide, [&] { previous.take(contacts, threads()); });
     if (!carries) return last_manifolds.clear();  // no pair of this step will be told from one of the last
     std::swap(contacts.manifolds, last_manifolds);
@@ -191,6 +191,10 @@ void World::Impl::trim_lists() {
     dynamics::trim_kept(candidates);
     dynamics::trim_kept(names.now);
     dynamics::trim_scratch(names.before);
+    dynamics::trim_scratch(looked);
+    dynamics::trim_scratch(looked_pairs);
+    dynamics::trim_scratch(found_anew);
+    contact_changes.trim();
     if (!contacts_hold || solver.is_roomy()) {
         solver.trim();
         contacts_hold = false;
@@ -226,7 +230,7 @@ void World::Impl::find_contacts(dynamics::Step& step, const dynamics::Motion& mo
     });
     patched = keeps;
     if (keeps) return step.run(Stage::Collide, [&] { patch_contacts(step); });
-    if (!std::exchange(set_aside, true)) keep_contacts(step, true);
+    if (!std::exchange(taken_over, true)) take_over_contacts(step);
     step.run(Stage::Collide, [&] {
         const PlacedShapes placed{proxies.shapes, proxies.poses};
         std::vector<Manifold>& found = contacts.manifolds;
@@ -300,10 +304,10 @@ StepReport World::Impl::take_step(const World& world, double dt) {
     const dynamics::Motion motion{w.def.gravity, dt};
     const Balance before = w.def.report_balance ? balance_of(world) : Balance{};
     if (w.def.report_residual) w.residual.remember(w.arrays);
-    w.set_aside = false;
+    w.taken_over = w.patched = false;
     w.carries = !w.names.now.empty();
     if (!choices.contacts) {  // otherwise each part is replaced below
-        w.keep_contacts(step, false);
+        w.previous.clear();
         w.contacts.clear();
         w.names.now.clear();
         w.direct.clear();

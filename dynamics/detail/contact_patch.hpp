@@ -6,6 +6,7 @@
 #include <carom/core/function_ref.hpp>
 #include <carom/dynamics/detail/carried_contacts.hpp>
 #include <carom/dynamics/detail/contact_set.hpp>
+#include <carom/dynamics/detail/room.hpp>
 
 #include <cstdint>
 #include <span>
@@ -19,6 +20,7 @@ struct ContactChanges {
     std::vector<ContactPair> pairs;          // scratch, as are these
     std::vector<CarriedPoint> points;
     void clear() noexcept { removed.clear(), replaced.clear(), added.clear(); }
+    void trim() { trim_scratch(removed), trim_scratch(replaced), trim_scratch(added), trim_scratch(pairs), trim_scratch(points); }
 };
 
 /// Puts what was found of some pairs in place of what the set has of them; all others stay as they are and where they are. Impulses go from point

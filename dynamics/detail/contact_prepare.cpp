@@ -7,7 +7,6 @@
 #include <carom/dynamics/detail/contact_lanes.hpp>
 #include <carom/dynamics/detail/contact_prepare.hpp>
 
-#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
@@ -42,6 +41,11 @@ struct Masses {
     Floats linear;  ///< sum of the inverse masses
 };
 
+CAROM_PASS_INLINE void put_inertia(dynamics::FrameMass& to, int lane, const Symmetric& inertia) {
+    put3(to.diagonal, lane, inertia.diagonal);
+    put(to.n1, lane, inertia.xy), put(to.n2, lane, inertia.xz), put(to.t12, lane, inertia.yz);
+}
+
 /// @return the inverse inertia in the frame; the bundle has it too from now on.
 CAROM_PASS_INLINE Symmetric turn_mass(const SolverBodies& all, const std::int32_t* rows, const Basis& basis, dynamics::FrameMass& to, int lane) {
     const auto* const mass = reinterpret_cast<const float*>(all.masses.data());
@@ -49,8 +53,7 @@ CAROM_PASS_INLINE Symmetric turn_mass(const SolverBodies& all, const std::int32_
     const Symmetric world{{r.a, r.b, r.c}, r.e, r.f, r.g};
     const Floats3 n = world * basis.n, t1 = world * basis.t1, t2 = world * basis.t2;
     const Symmetric turned{{dot(basis.n, n), dot(basis.t1, t1), dot(basis.t2, t2)}, dot(basis.n, t1), dot(basis.n, t2), dot(basis.t1, t2)};
-    put3(to.diagonal, lane, turned.diagonal);
-    put(to.n1, lane, turned.xy), put(to.n2, lane, turned.xz), put(to.t12, lane, turned.yz);
+    put_inertia(to, lane, turned);
     put(to.inverse_mass, lane, r.d);
     return turned;
 }
@@ -184,6 +187,19 @@ void PrepareBundles(std::span<ContactBundle> bundles, const PrepareInput& in) {
     for (ContactBundle& c : bundles) prepare_bundle(c, in);
 }
 
+Mask changed_lanes(const ContactBundle& c, int lane, const unsigned char* changed) {
+    alignas(64) std::int32_t found[kLanes];
+    for (int k = 0; k < kLanes; ++k) {
+        const auto i = static_cast<std::size_t>(lane + k);
+        found[k] = changed[c.row_a[i]] | changed[c.row_b[i]];
+    }
+    return load(found) != Ints{0};
+}
+
+Symmetric select(Mask which, const Symmetric& yes, const Symmetric& no) {
+    return {select(which, yes.diagonal, no.diagonal), select(which, yes.xy, no.xy), select(which, yes.xz, no.xz), select(which, yes.yz, no.yz)};
+}
+
 bool any_changed(const ContactBundle& c, const unsigned char* changed) {
     unsigned found = 0;
     for (int lane = 0; lane < kBundleWidth; ++lane) {
@@ -193,49 +209,28 @@ bool any_changed(const ContactBundle& c, const unsigned char* changed) {
     return found != 0;
 }
 
-/// What a bundle had before. Lanes whose bodies have not changed get it back, to the bit: in a step that kept its contacts they have the inertia of when they were
-/// prepared, and which lanes are beside them depends on the number of threads.
-class KeptMasses {
-public:
-    explicit KeptMasses(const ContactBundle& c) : a_(c.a), b_(c.b) {
-        for (std::size_t k = 0; k < static_cast<std::size_t>(c.point_count); ++k) normal_[k] = c.points[k].normal_mass, tangent_[k] = c.points[k].tangent_mass;
-    }
-    void restore(ContactBundle& c, const unsigned char* changed) const {
-        for (std::size_t lane = 0; lane < kBundleWidth; ++lane) {
-            if ((changed[c.row_a[lane]] | changed[c.row_b[lane]]) != 0) continue;
-            put_back(a_, c.a, lane), put_back(b_, c.b, lane);
-            for (std::size_t k = 0; k < static_cast<std::size_t>(c.point_count); ++k) {
-                c.points[k].normal_mass[lane] = normal_[k][lane];
-                c.points[k].tangent_mass[lane] = tangent_[k][lane];
-            }
-        }
-    }
-
-private:
-    static void put_back(const dynamics::FrameMass& from, dynamics::FrameMass& to, std::size_t lane) {
-        to.diagonal.n[lane] = from.diagonal.n[lane], to.diagonal.t1[lane] = from.diagonal.t1[lane], to.diagonal.t2[lane] = from.diagonal.t2[lane];
-        to.n1[lane] = from.n1[lane], to.n2[lane] = from.n2[lane], to.t12[lane] = from.t12[lane], to.inverse_mass[lane] = from.inverse_mass[lane];
-    }
-
-    dynamics::FrameMass a_, b_;
-    std::array<dynamics::Wide<float>, kMaxManifoldPoints> normal_, tangent_;
-};
-
 void RenewMasses(std::span<ContactBundle> bundles, const SolverBodies& bodies, const unsigned char* changed) {
     for (ContactBundle& c : bundles) {
         if (!any_changed(c, changed)) continue;
-        const KeptMasses kept(c);
         for (int lane = 0; lane < kBundleWidth; lane += kLanes) {
+            // The other lanes keep theirs, to the bit: in a step that kept its contacts these are of when they were prepared, and which lanes are beside each other
+            // depends on the number of threads.
+            const Mask renewed = changed_lanes(c, lane, changed);
             const Basis basis = make_basis(c, lane);
+            const Symmetric had_a = read_inertia(c.a, lane), had_b = read_inertia(c.b, lane);
             const Symmetric inertia_a = turn_mass(bodies, c.row_a.data() + lane, basis, c.a, lane);
             const Symmetric inertia_b = turn_mass(bodies, c.row_b.data() + lane, basis, c.b, lane);
             const Masses masses{inertia_a, inertia_b, get(c.a.inverse_mass, lane) + get(c.b.inverse_mass, lane)};
+            put_inertia(c.a, lane, select(renewed, inertia_a, had_a));
+            put_inertia(c.b, lane, select(renewed, inertia_b, had_b));
             for (int k = 0; k < c.point_count; ++k) {
                 PointLanes& p = c.points[static_cast<std::size_t>(k)];
-                put_masses(p, lane, get3(p.a, lane), get3(p.b, lane), masses, get(p.tangent_mass, lane) > broadcast(0.0f));
+                const Floats normal = get(p.normal_mass, lane), tangent = get(p.tangent_mass, lane);
+                put_masses(p, lane, get3(p.a, lane), get3(p.b, lane), masses, tangent > broadcast(0.0f));
+                put(p.normal_mass, lane, select(renewed, get(p.normal_mass, lane), normal));
+                put(p.tangent_mass, lane, select(renewed, get(p.tangent_mass, lane), tangent));
             }
         }
-        kept.restore(c, changed);
     }
 }
 

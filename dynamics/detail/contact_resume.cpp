@@ -151,11 +151,9 @@ bool ContactSolver::resume(const ContactSet& contacts, const ContactChanges& cha
             if (bodies.roles[slot] != Role::Static && row_of_slot_[slot] == kNoRow) return false;
         }
     }
-    fill_rows(bodies, executor);
-    rules_.list(bodies, slot_of_row_, rows_.movable, settings.substep());
-    slender_.list(bodies, slot_of_row_, is_slender_, settings.dt, settings.substeps);
-    is_left_out_.assign(is_slender_.begin(), is_slender_.end());
-    round_.list(proxies, bodies, row_of_slot_, is_left_out_, settings.dt);
+    if (!std::exchange(places_known_, true)) note_places();
+    point_count_ = contacts.summary.points;
+    begin_rows(proxies, bodies, executor);
     fill_changed_rows(contacts, changes, proxies, bodies);
     if (grown_ > more_points_.size()) return false;  // each may need room of its own
     moves_.clear();
@@ -178,8 +176,6 @@ bool ContactSolver::resume(const ContactSet& contacts, const ContactChanges& cha
     fill_moves(contacts);
     deep_count_ = 0;
     for (const ContactBundle& bundle : bundles_) deep_count_ += static_cast<std::size_t>(bundle.deep);
-    gaps_known_ = false;
-    moves_listed_ = 0;
     is_whole_ = true;
     return true;
 }

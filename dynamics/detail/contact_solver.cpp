@@ -46,11 +46,21 @@ dvec3 rounded(const dvec3& v) { return dvec3{vec3{v}}; }
 
 }  // namespace
 
+// The bodies as the step begins, and who has rules of his own.
+void ContactSolver::begin_rows(const ProxySet& proxies, const BodyArrays& bodies, Executor& executor) {
+    gaps_known_ = false;
+    moves_listed_ = 0;
+    fill_rows(bodies, executor);
+    rules_.list(bodies, slot_of_row_, rows_.movable, settings_.substep());
+    slender_.list(bodies, slot_of_row_, is_slender_, settings_.dt, settings_.substeps);
+    is_left_out_.assign(is_slender_.begin(), is_slender_.end());
+    for (const std::uint32_t slot : shared_) is_left_out_[static_cast<std::size_t>(row_of_slot_[slot])] = 1;
+    round_.list(proxies, bodies, row_of_slot_, is_left_out_, settings_.dt);
+}
+
 void ContactSolver::prepare(const ContactSet& contacts, std::span<const unsigned char> held, const ProxySet& proxies,
                             const BodyArrays& bodies, const SolverSettings& settings, Executor& executor) {
     settings_ = settings;
-    gaps_known_ = false;
-    moves_listed_ = 0;
     const double h = settings.substep();
     const double frequency = settings.contact_rate / h;
     soft_ = soft_contact(frequency, settings.damping, h);
@@ -60,12 +70,7 @@ void ContactSolver::prepare(const ContactSet& contacts, std::span<const unsigned
     part_count_ = point_count_ >= kPointsWorthSharing ? std::min(PhaseLoop::part_count(executor), BodyParts::kMostParts) : 1;
     mark_rows(contacts, held, bodies);
     number_rows(contacts, bodies);
-    fill_rows(bodies, executor);
-    rules_.list(bodies, slot_of_row_, rows_.movable, h);
-    slender_.list(bodies, slot_of_row_, is_slender_, settings.dt, settings.substeps);
-    is_left_out_.assign(is_slender_.begin(), is_slender_.end());
-    for (const std::uint32_t slot : shared_) is_left_out_[static_cast<std::size_t>(row_of_slot_[slot])] = 1;
-    round_.list(proxies, bodies, row_of_slot_, is_left_out_, settings.dt);
+    begin_rows(proxies, bodies, executor);
     fill_sides(proxies, bodies, executor);
     fill_manifold_rows(contacts, executor);
     coloring_.color(contact_rows_, rows_.movable);
@@ -82,7 +87,7 @@ void ContactSolver::prepare(const ContactSet& contacts, std::span<const unsigned
     });
     settings.resists ? rolling_.list({contacts, proxies, rows_, bundles_}, h) : rolling_.clear();
     is_whole_ = !settings.resists && shared_.empty() && coloring_.overflow_count() == 0 && std::ranges::find(held, 1) == held.end();
-    if (is_whole_) note_places();
+    places_known_ = false;
 }
 
 void ContactSolver::mark_rows(const ContactSet& contacts, std::span<const unsigned char> held, const BodyArrays& bodies) {
@@ -353,7 +358,7 @@ void ContactSolver::store(BodyArrays& bodies, ContactSet& contacts, Executor& ex
 }
 
 bool ContactSolver::is_roomy() const noexcept {
-    return dynamics::is_roomy(bundles_.capacity(), bundles_.size()) || dynamics::is_roomy(points_.capacity(), points_.size());
+    return dynamics::is_roomy(bundles_.capacity(), bundles_.size());  // of points, how many there are depends on the number of threads
 }
 
 void ContactSolver::trim() {

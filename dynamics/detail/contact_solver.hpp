@@ -126,6 +126,7 @@ private:
     void fill_side(std::uint32_t slot, const ProxySet& proxies, const BodyArrays& bodies);
     void mark_rows(const ContactSet& contacts, std::span<const unsigned char> held, const BodyArrays& bodies);
     void number_rows(const ContactSet& contacts, const BodyArrays& bodies);
+    void begin_rows(const ProxySet& proxies, const BodyArrays& bodies, Executor& executor);
     void fill_rows(const BodyArrays& bodies, Executor& executor);
     void fill_sides(const ProxySet& proxies, const BodyArrays& bodies, Executor& executor);
     void fill_manifold_rows(const ContactSet& contacts, Executor& executor);
@@ -192,6 +193,7 @@ private:
     std::size_t deep_count_ = 0;
     std::size_t point_count_ = 0;
     bool is_whole_ = false;                                    // what is in the bundles is all that the bodies of the rows have
+    bool places_known_ = false;                                // those below are of what is in the bundles
     std::vector<Place> places_of_;                             // by manifold, of those in a lane
     std::vector<std::vector<Place>> free_;                     // by colour
     std::vector<std::uint8_t> color_of_bundle_;

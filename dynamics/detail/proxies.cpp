@@ -88,8 +88,11 @@ void keep_origin_near(ProxySet& set, const BodyArrays& bodies) {
     set.stale.assign(set.stale.size(), 1);
 }
 
-/// How far from the centre of mass points are that turning moves: a ball about it looks the same however it turns.
-double turning_reach(const ProxySet& set, std::uint32_t i) { return set.surfaces[i].is_ball ? 0.0 : set.by_slot[i].reach; }
+/// How far from the centre of mass points are that turning moves: a ball about it looks the same however it turns, and is as easy to turn on.
+double turning_reach(const ProxySet& set, const BodyArrays& bodies, std::uint32_t i) {
+    const bool alike = set.surfaces[i].is_ball && bodies.masses[set.bodies[i]].inertia == InertiaClass::Isotropic;
+    return alike ? 0.0 : set.by_slot[i].reach;
+}
 
 /// Of what has a box with room: whether it stays in it through the step. Then it has its pose, drift and motion.
 bool stays(ProxySet& set, std::uint32_t i, const BodyArrays& bodies, const Motion& motion) {
@@ -99,7 +102,7 @@ bool stays(ProxySet& set, std::uint32_t i, const BodyArrays& bodies, const Motio
     const BodyState& state = bodies.states[proxy.body];
     const dquat turn = state.pose.orientation * glm::conjugate(anchor.orientation);
     const double chord = 2.0 * glm::length(dvec3{turn.x, turn.y, turn.z});  // of a point one metre from the centre
-    const double reach = turning_reach(set, i);
+    const double reach = turning_reach(set, bodies, i);
     const double drift = glm::length(state.pose.position - anchor.position) + reach * chord;
     const double way = (glm::length(state.velocity) + reach * glm::length(state.spin)) * motion.dt;
     if (!(drift + way <= anchor.room && pull_of(motion_of(bodies, proxy.body, motion)) <= anchor.pull)) return false;
@@ -124,10 +127,11 @@ void find_calm(ProxySet& set, const BodyArrays& bodies, const Motion& motion, bo
 }
 
 /// Whether a shape moves so little that its box gets room, and how much [m].
-double room_for(const ProxySet& set, std::uint32_t i, const BodyState& state, double share, double dt) {
+double room_for(const ProxySet& set, const BodyArrays& bodies, std::uint32_t i, double share, double dt) {
+    const BodyState& state = bodies.states[set.bodies[i]];
     const double room = share * set.extents[i] * set.firmness[i];
     if (!std::isfinite(room)) return -1.0;  // the surface of a kinematic body, which others may touch anywhere
-    return (glm::length(state.velocity) + turning_reach(set, i) * glm::length(state.spin)) * dt <= kLeastStay * room ? room : -1.0;
+    return (glm::length(state.velocity) + turning_reach(set, bodies, i) * glm::length(state.spin)) * dt <= kLeastStay * room ? room : -1.0;
 }
 
 bool is_round(const Proxy& proxy) {
@@ -248,9 +252,13 @@ void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& 
             const BodyState& state = bodies.states[proxy.body];
             const bool is_static = lies_still(bodies.roles[proxy.body]);
             const double pull = pull_of(motion_of(bodies, proxy.body, motion));
-            const double room = calm_share > 0.0 && !is_static ? room_for(set, i, state, calm_share, motion.dt) : -1.0;
+            const double room = calm_share > 0.0 && !is_static ? room_for(set, bodies, i, calm_share, motion.dt) : -1.0;
             const bool calms = room > 0.0;
-            set.anchors[i] = calms ? Anchor{state.pose.position, state.pose.orientation, room, pull} : Anchor{};
+            if (calms) {
+                set.anchors[i] = {state.pose.position, state.pose.orientation, room, pull};
+            } else {
+                set.anchors[i].room = -1.0;
+            }
             set.stay[i] = calms ? room : 0.0;
             const Box* const box = std::get_if<Box>(&proxy.shape);
             if (box == nullptr || is_static) {
@@ -269,7 +277,7 @@ void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& 
 }
 
 void note_refused(ProxySet& set) noexcept {
-    for (const std::uint32_t slot : set.moved) set.anchors[slot] = Anchor{};
+    for (const std::uint32_t slot : set.moved) set.anchors[slot].room = -1.0;
 }
 
 void note_listed(ProxySet& set) noexcept {

@@ -14,6 +14,7 @@
 #include <carom/dynamics/detail/part_surface.hpp>
 #include <carom/narrowphase/collide.hpp>
 
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -166,6 +167,12 @@ using CandidateParts = std::vector<CandidatePart>;
 /// looked at again.
 void list_candidates(const ProxySet& set, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt, Executor& executor,
                      CandidateParts& parts, std::vector<NumberedPair>& out);
+
+/// @return how far the two may have come together from where their boxes were made before their contact is looked at again: `share` of the smaller shape's
+/// smallest extent, less of a curved one's [m].
+[[nodiscard]] inline double most_drift(const ProxySet& set, const NumberedPair& pair, double share) noexcept {
+    return share * std::min(set.extents[pair.a] * set.firmness[pair.a], set.extents[pair.b] * set.firmness[pair.b]);
+}
 
 /// What tells a candidate of one step in the next: its key, and which proxies stood at the two slots.
 struct CandidateName {

@@ -178,7 +178,7 @@ struct World::Impl {
     /// What wakes by the contacts found in this step. @return whether anything does: the contacts must be found again.
     [[nodiscard]] bool wake_touched();
     void fall_asleep(double dt, StepReport& report);
-    void keep_contacts(dynamics::Step& step, bool looks);
+    void take_over_contacts(dynamics::Step& step);
     void trim_lists();
     void find_contacts(dynamics::Step& step, const dynamics::Motion& motion);
     /// Of its smallest extent, how far a shape may come before its contacts are looked at anew; 0 where all are in every step: then others than the
@@ -229,7 +229,7 @@ struct World::Impl {
     bool contacts_held = false;   // so it was when this step began
     bool pairs_complete = false;  // the broadphase listed all
     std::vector<unsigned char> displaced;  // by slot: bodies that others than the contact solver put where they are
-    bool set_aside = false, patched = false;  // in this step
+    bool taken_over = false, patched = false;  // in this step: whether `previous` has the contacts of the step before, or `contacts` still are those
     bool carries = false;                     // when it began, the candidates of the step before had names
     dynamics::Impacts impacts;
     dynamics::DirectIslands direct;

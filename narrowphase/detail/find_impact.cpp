@@ -88,7 +88,7 @@ public:
 private:
     static constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
-    /// In closed form. @return whether that is the answer; where it is not, they are near each other at t, or two edges all but parallel.
+    /// In closed form. @return whether that is the answer; it is not where the two are near each other at the start, or touch at edges all but parallel.
     bool slide_boxes() noexcept {
         ++impact_.checks;
         const ConvexCore a = pair_.a.core(0.0, dvec3{0.0}), b = pair_.b.core(0.0, pair_.between);
@@ -98,12 +98,11 @@ private:
             impact_.t = until_;
             return true;
         }
-        t_ = slide.t;
         if (!slide.axis.exists()) return false;
         const double enough = near_ + 4.0 * rounding_;
-        const BoxTouch touch = axes.touch(slide.axis, t_ * pair_.along, enough);
+        const BoxTouch touch = axes.touch(slide.axis, slide.t * pair_.along, enough);
         if (!(touch.distance <= enough)) return false;
-        impact_ = {ImpactStatus::Touching, t_, pair_.unit * (a.centre + touch.on_b), axes.normal(slide.axis), impact_.checks};
+        impact_ = {ImpactStatus::Touching, slide.t, pair_.unit * (a.centre + touch.on_b), axes.normal(slide.axis), impact_.checks};
         return true;
     }
 

@@ -137,7 +137,11 @@ void add_way_out(const PairFrame& pair, const LeaderLimits& limits, double small
     };
     const std::optional<Leader> way = workspace.ways.find(contact.finder, contact.faces, {kDeepShare * smaller, limits.tolerance}, meets);
     if (!way) return;
-    std::erase_if(leaders, [&](const Leader& l) { return l.separation < way->separation + limits.tolerance; });
+    // What is as deep along the same way stays: it holds the other corners.
+    std::erase_if(leaders, [&](const Leader& l) {
+        const bool along = glm::dot(l.normal, way->normal) > kFaceCosine && l.separation >= way->separation - limits.tolerance;
+        return l.separation < way->separation + limits.tolerance && !along;
+    });
     leaders.push_back(*way);
 }
 

@@ -18,12 +18,14 @@ namespace carom::detail {
     return std::ranges::all_of(solid.faces(), [&](const ConvexHull::Face& face) { return glm::dot(face.normal, p) <= face.offset; });
 }
 
+/// What is wedged between two walls of a room is in both by as much as a solver leaves: its width may be this many times the room's.
+inline constexpr double kWedged = 1.02;
+
 /// A mesh has two sides, and what has its centre behind the surface is pushed further in: so a closed one can be a room. But nothing can be
 /// pushed into what it has no room in.
 /// @param reach  of the shape that is held against the solid: the largest dot product of a vector of the solid's frame with a point of it.
-/// @return whether through each face that the shape reaches, the solid is wider than the shape along the face's normal, or not much narrower: what is
-/// wedged between two walls is in both by as much as a solver leaves.
-inline constexpr double kWedged = 1.02;  // of the solid's width
+/// @return whether through each face that the shape reaches, the solid is wider than the shape along the face's normal, or no narrower
+/// than what is wedged in it.
 template <class Reach>
 [[nodiscard]] bool has_room(const ConvexHull& solid, const Reach& reach) {
     return std::ranges::all_of(solid.faces(), [&](const ConvexHull::Face& face) {

@@ -201,6 +201,51 @@ TEST(KeptContacts, HaveTheSameBitsInPartsBesideWhatTurnsFast) {
     }
 }
 
+// What is never put in order would grow without end: contacts that come and go leave their numbers unused, until all are found anew.
+TEST(KeptContacts, AreFoundAnewWhenTooManyAreOutOfUse) {
+    World world({.contact_method = ContactMethod::Soft});
+    const auto add = [&](const BodyDef& body, const vec3& half) {
+        const BodyId id = world.create_body(body);
+        world.add_shape(id, Box{half});
+        return id;
+    };
+    add({.type = BodyType::Static, .position = {19, -1, 9}}, {60.0f, 1.0f, 60.0f});
+    std::vector<BodyId> lids;
+    for (int i = 0; i < 200; ++i) {
+        const dvec3 at{2.0 * (i % 20), 0.5, 2.0 * (i / 20)};
+        add({.position = at}, {0.5f, 0.5f, 0.5f});
+        if (i % 5 == 0) lids.push_back(add({.type = BodyType::Kinematic, .position = at + dvec3{0, 0.703, 0}}, {0.4f, 0.2f, 0.4f}));
+    }
+    int anew = 0, kept = 0;
+    for (int i = 0; i < 400; ++i) {
+        for (const BodyId lid : lids) world.set_linear_velocity(lid, {0, i / 10 % 2 == 0 ? 0.3 : -0.3, 0});  // up by 5 cm, and down again to 3 mm over the box
+        const StepReport report = world.step(kDt);
+        if (i >= 60) ++(report.reused > 0 ? kept : anew);  // of two boxes, none is carried along where all are found anew
+    }
+    EXPECT_GE(anew, 3);
+    EXPECT_LT(10 * anew, kept);
+}
+
+// A ball that is one of several shapes of a body looks the same however the body turns, but what its contact pushes against does not.
+TEST(KeptContacts, ABallWithArmsIsLookedAtAsItTurns) {
+    for (const bool has_arms : {false, true}) {
+        Table table({.contact_method = ContactMethod::Soft});
+        for (int i = 0; i < 20; ++i) table.add({.position = {3.0 * i, 0.5, 9.0}}, Box{{0.5f, 0.5f, 0.5f}});
+        const BodyId top = table.add({.position = {0, 0.5, 0}}, Sphere{0.5f});
+        for (const double side : {-1.0, 1.0}) {
+            if (has_arms) table.world.add_shape(top, Box{{0.2f, 0.1f, 0.1f}}, {.local = {{0.9 * side, 0, 0}, kIdentityRotation}});
+        }
+        table.run(60);
+        table.world.set_angular_velocity(top, {0, 1.0, 0});
+        std::size_t looked = 0;
+        for (int i = 0; i < 32; ++i) {
+            const StepReport report = table.world.step(kDt);
+            looked += report.pairs - report.reused;
+        }
+        EXPECT_EQ(looked >= 32u, has_arms) << looked << "; a third of a pair a step is due anyway";
+    }
+}
+
 // A body at rest that is pushed hard is no slow one: contacts are predicted for what it may do in a step, and not farther than its size allows.
 TEST(KeptContacts, APushSendsNothingAgainstWhatItPasses) {
     for (const double speed : {20.0, 200.0}) {

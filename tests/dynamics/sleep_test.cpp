@@ -49,9 +49,10 @@ TEST(Sleep, IsOffUnlessAskedFor) {
     EXPECT_THROW(table.world.put_to_sleep(table.world.bodies()[1]), MisuseError);
 }
 
-// The oracle is the same world without sleep.
+// The oracle is the same world without sleep. Contacts are found anew in both: while somebody sleeps none are kept, which changes where a body that rocks comes to
+// lie by up to a millimetre.
 TEST(Sleep, PilesStayWhereTheyWouldBeWithout) {
-    Table sleeps(kSleeps), wakes;
+    Table sleeps({.contact_reuse = 0.0, .sleep = {.enabled = true}}), wakes({.contact_reuse = 0.0});
     fill(sleeps), fill(wakes);
     StepReport report;
     for (int i = 0; i < 1200; ++i) {
@@ -61,7 +62,7 @@ TEST(Sleep, PilesStayWhereTheyWouldBeWithout) {
     EXPECT_EQ(report.asleep, sleeps.world.body_count() - 1);
     EXPECT_EQ(report.pairs + report.manifolds + report.boxes_given, 0u) << "nothing is left to do";
     // Without sleep piles go on creeping, by less than what counts as still: 1e-3 of 0.4 m in 0.5 s. Most of them stop by themselves.
-    EXPECT_LT(farthest(sleeps.world, wakes.world), 1e-3);
+    EXPECT_LT(farthest(sleeps.world, wakes.world), 1e-4);
 }
 
 TEST(Sleep, ChangesNoBitWhileAsleep) {

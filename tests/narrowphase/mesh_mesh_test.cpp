@@ -187,6 +187,33 @@ TEST(MeshMesh, DeepInEachOtherAWayOutOfTheWholeIsFound) {
     EXPECT_LT(held, deep / 50);
 }
 
+// A crate that lies deep in a flat surface lies on all its corners, however deep: on one alone it would tip.
+TEST(MeshMesh, DeepInAFlatSurfaceACrateStandsOnFourCorners) {
+    std::vector<vec3> grid;
+    std::vector<std::array<std::uint32_t, 3>> triangles;
+    constexpr std::uint32_t kCells = 20;
+    for (std::uint32_t i = 0; i <= kCells; ++i) {
+        for (std::uint32_t j = 0; j <= kCells; ++j) grid.push_back({0.5f * static_cast<float>(i) - 5.0f, 0.0f, 0.5f * static_cast<float>(j) - 5.0f});
+    }
+    for (std::uint32_t i = 0; i < kCells; ++i) {
+        for (std::uint32_t j = 0; j < kCells; ++j) {
+            const std::uint32_t a = i * (kCells + 1) + j, b = a + kCells + 1;
+            triangles.push_back({a, a + 1, b + 1});
+            triangles.push_back({a, b + 1, b});
+        }
+    }
+    const Shape ground = *TriangleMesh::build(grid, triangles), crate = box_mesh({0.2f, 0.2f, 0.2f}, 2);
+    for (const double depth : {0.005, 0.01, 0.05, 0.11}) {
+        std::size_t points = 0;
+        for (const Manifold& m : collide_all(crate, {{0.06, 0.2 - depth, 0.07}}, ground, {}, 0.01f)) {
+            EXPECT_LT(m.normal.y, -0.999f);
+            for (const ContactPoint& point : m.used()) EXPECT_NEAR(static_cast<double>(point.separation), -depth, 1e-5);
+            points += m.count;
+        }
+        EXPECT_EQ(points, 4u) << depth;
+    }
+}
+
 TEST(MeshMesh, InsideOfAClosedMeshIsLedOutAndSaidToBeUndecided) {
     // Beside the outer one stands another box, so that together they are no convex solid.
     const TriangleMeshPtr large = box_mesh({1.0f, 1.0f, 1.0f}, 3), small = box_mesh({0.1f, 0.1f, 0.1f}, 1);
