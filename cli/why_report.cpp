@@ -155,6 +155,7 @@ Json found_json(const StepContacts& f) {
     return {{"manifolds", f.manifolds},
             {"points", f.points},
             {"least_separation", f.points == 0 ? Json(nullptr) : Json(f.least_separation)},
+            {"passes", f.passes},
             {"carried", f.carried}};
 }
 

@@ -180,8 +180,10 @@ private:
         if (find_candidate(listed) == nullptr) return;
         std::vector<Manifold> anew;
         carom::collide(placed(listed.a, listed.b), 0, anew);
+        const ContactPair* const last = pair_of(w_.contacts, listed);
         const std::span<const Manifold> had = contacts_of(w_.contacts, listed);
         pair.found = summary_of(had);
+        pair.found->passes = last != nullptr && last->passes;
         pair.found->carried = !same_contacts(anew, had);
         if (pair.found->carried && !may_be_carried(summary_of(anew), *pair.found, listed)) {
             disagree("the contacts of the step are not those of its poses", listed);
@@ -212,12 +214,15 @@ private:
         return std::abs(anew.least_separation - had.least_separation) <= 1.01 * slack;
     }
 
-    [[nodiscard]] std::span<const Manifold> contacts_of(const dynamics::ContactSet& set, const NumberedPair& listed) const {
+    [[nodiscard]] const ContactPair* pair_of(const dynamics::ContactSet& set, const NumberedPair& listed) const {
         const std::uint64_t key = dynamics::contact_pair(w_.proxies, listed).key;
-        const auto& pairs = set.pairs;
-        const auto found = std::ranges::lower_bound(pairs, key, {}, &ContactPair::key);
-        if (found == pairs.end() || found->key != key) return {};
-        return std::span(set.manifolds).subspan(found->first_manifold, found->manifold_count);
+        const auto found = std::ranges::lower_bound(set.pairs, key, {}, &ContactPair::key);
+        return found != set.pairs.end() && found->key == key ? &*found : nullptr;
+    }
+
+    [[nodiscard]] std::span<const Manifold> contacts_of(const dynamics::ContactSet& set, const NumberedPair& listed) const {
+        const ContactPair* const pair = pair_of(set, listed);
+        return pair == nullptr ? std::span<const Manifold>{} : std::span(set.manifolds).subspan(pair->first_manifold, pair->manifold_count);
     }
 
     [[nodiscard]] static Rung rung_of(const ShapePairExplanation& pair) {

@@ -66,6 +66,7 @@ struct BroadphaseFinding {
 struct StepContacts {
     std::size_t manifolds = 0, points = 0;
     double least_separation = 0.0;  ///< of the points; 0 without any [m]
+    bool passes = false;            ///< ahead of them, and their motion in the step did not lead there: nobody solved them
     bool carried = false;           ///< not as the poses give them, but carried along from a step before: WorldDef::contact_reuse
 };
 

@@ -93,6 +93,7 @@ struct StepReport {
     std::size_t manifolds = 0;
     std::size_t contacts = 0;   ///< points of all manifolds
     std::size_t touching = 0;   ///< of these, with separation <= 0
+    std::size_t passing = 0;    ///< pairs with contacts ahead that their motion did not lead to: they had none in this step
 
     std::size_t impacts = 0;       ///< points that bounced, counted at each of their impacts
     std::size_t impacts_left = 0;  ///< contacts that came to more impacts in the step than are followed: the solver stopped them, without a bounce

@@ -195,6 +195,7 @@ void World::Impl::trim_lists() {
     dynamics::trim_scratch(looked_pairs);
     dynamics::trim_scratch(found_anew);
     contact_changes.trim();
+    passing.trim();
     if (!contacts_hold || solver.is_roomy()) {
         solver.trim();
         contacts_hold = false;
@@ -242,6 +243,11 @@ void World::Impl::find_contacts(dynamics::Step& step, const dynamics::Motion& mo
         const auto pair_of = [&](std::uint32_t i) { return dynamics::contact_pair(proxies, candidates[i]); };
         dynamics::link_manifolds(contacts, pair_of, previous, impulse_scale(motion.dt), threads());
     });
+}
+
+void World::Impl::find_passing(dynamics::Step& step, const dynamics::Motion& motion) {
+    step.run(Stage::Collide, [&] { passing.find(contacts, patched ? &contact_changes : nullptr, proxies, arrays, motion, threads()); });
+    step.report.passing = passing.pairs().size();
 }
 
 // Contacts, and joints of bodies in contact, substep by substep.
@@ -316,6 +322,7 @@ StepReport World::Impl::take_step(const World& world, double dt) {
     if (choices.contacts) {
         do w.find_contacts(step, motion);
         while (w.wake_touched());  // again, with what woke
+        w.find_passing(step, motion);
     }
     if (choices.joints) {
         step.run(Stage::Joints, [&] { w.joint_solver.gather(w.joints, w.arrays, w.def.direct_budget); });
@@ -361,6 +368,9 @@ StepReport World::Impl::take_step(const World& world, double dt) {
     w.displaced.assign(w.arrays.roles.size(), 0);
     if (choices.continuous) {
         for (const std::uint32_t slot : w.continuous.displaced()) w.displaced[slot] = 1;
+    }
+    if (choices.contacts) {  // the next step looks at them again
+        for (const std::uint32_t p : w.passing.pairs()) w.displaced[w.contacts.pairs[p].body_a.slot] = w.displaced[w.contacts.pairs[p].body_b.slot] = 1;
     }
     step.report.step = ++w.steps;
     if (w.steps % dynamics::kTrimEvery == 0) w.trim_lists();

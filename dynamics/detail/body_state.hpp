@@ -42,6 +42,11 @@ inline constexpr unsigned char kLockedTurns = LockedAxes::TurnX | LockedAxes::Tu
             (locked & LockedAxes::MoveZ) != 0 ? 0.0 : 1.0};
 }
 
+/// @return the velocity of a body at a point of the world [m/s].
+[[nodiscard]] inline dvec3 point_velocity(const BodyState& state, const dvec3& at) noexcept {
+    return state.velocity + glm::cross(state.spin, at - state.pose.position);
+}
+
 [[nodiscard]] inline bool is_finite(const BodyState& s) noexcept {
     return carom::is_finite(s.pose) && carom::is_finite(s.velocity) && carom::is_finite(s.spin);
 }

@@ -16,7 +16,7 @@ public:
             drop(pair);
             return append(pair, first, end);
         }
-        pair.point_count = 0;
+        begin(pair);
         for (std::uint32_t m = pair.first_manifold; first < end; ++m, ++first) {
             const std::uint32_t number = set_.manifolds[m].pair;
             put(pair, m, first);
@@ -51,7 +51,7 @@ private:
     void append(ContactPair& pair, std::uint32_t first, std::uint32_t end) {
         pair.first_manifold = static_cast<std::uint32_t>(set_.manifolds.size());
         pair.manifold_count = end - first;
-        pair.point_count = 0;
+        begin(pair);
         for (; first < end; ++first) {
             const auto m = static_cast<std::uint32_t>(set_.manifolds.size());
             set_.manifolds.emplace_back();
@@ -61,9 +61,16 @@ private:
         }
     }
 
+    static void begin(ContactPair& pair) noexcept {
+        pair.point_count = 0;
+        pair.predicted = true;
+        pair.passes = false;
+    }
+
     void put(ContactPair& pair, std::uint32_t m, std::uint32_t from) {
         set_.manifolds[m] = found_[from];
         pair.point_count += found_[from].count;
+        for (const ContactPoint& point : found_[from].used()) pair.predicted = pair.predicted && point.separation > 0.0f;
         carry_impulses(found_[from], changes_.points, 1.0f, set_.impulses[m]);
     }
 

@@ -17,7 +17,7 @@ double friction_of(const ProxySet& proxies, const ContactPair& pair, const Manif
     return static_cast<double>(met.friction);
 }
 
-dvec3 point_velocity(const BodyState& now, const dvec3& arm) { return now.velocity + glm::cross(now.spin, arm); }
+dvec3 velocity_at_arm(const BodyState& now, const dvec3& arm) { return now.velocity + glm::cross(now.spin, arm); }
 
 /// By how much a point misses Signorini's law [m/s].
 double speed_error(double normal_speed, double impulse, double separation) {
@@ -55,7 +55,7 @@ ContactResidual ResidualMeter::measure(const ContactSet& contacts, const ProxySe
         const Manifold& manifold = contacts.manifolds[m];
         if (manifold.pair == kNoPair) continue;
         const ContactPair& pair = contacts.pairs[manifold.pair];
-        if (pair.flies) continue;
+        if (!pair.is_solved()) continue;
         const double friction = friction_of(proxies, pair, manifold);
         const BodyState &a = bodies.states[pair.body_a.slot], &b = bodies.states[pair.body_b.slot];
         for (std::size_t k = 0; k < manifold.count; ++k) {
@@ -64,7 +64,7 @@ ContactResidual ResidualMeter::measure(const ContactSet& contacts, const ProxySe
             const auto pushed = static_cast<double>(point.normal);
             add_impulse(pair, static_cast<double>(step.substeps) * (pushed * normal + dvec3{point.friction}));
             // Arms are those of the step's start, as the solver's are.
-            const dvec3 u = point_velocity(b, at - before_[pair.body_b.slot].pose.position) - point_velocity(a, at - before_[pair.body_a.slot].pose.position);
+            const dvec3 u = velocity_at_arm(b, at - before_[pair.body_b.slot].pose.position) - velocity_at_arm(a, at - before_[pair.body_a.slot].pose.position);
             out.speed = std::max(out.speed, speed_error(glm::dot(u, normal), pushed, static_cast<double>(manifold.points[k].separation)));
             largest = std::max(largest, pushed);
             excess = std::max(excess, glm::length(dvec3{point.friction}) - friction * pushed);

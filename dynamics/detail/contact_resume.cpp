@@ -145,12 +145,12 @@ bool ContactSolver::resume(const ContactSet& contacts, const ContactChanges& cha
         const auto holds = [&](std::int32_t row) { return row >= rows_.movable || contacts_of_row_[static_cast<std::size_t>(row)] > 0; };
         return holds(contact_rows_[manifold].a) && holds(contact_rows_[manifold].b);
     };
-    for (const std::uint32_t m : changes.added) {
+    const auto has_rows = [&](std::uint32_t m) {
         const ContactPair& pair = contacts.pairs[contacts.manifolds[m].pair];
-        for (const std::uint32_t slot : {pair.body_a.slot, pair.body_b.slot}) {
-            if (bodies.roles[slot] != Role::Static && row_of_slot_[slot] == kNoRow) return false;
-        }
-    }
+        const auto has_row = [&](std::uint32_t slot) { return bodies.roles[slot] == Role::Static || row_of_slot_[slot] != kNoRow; };
+        return !pair.is_solved() || (has_row(pair.body_a.slot) && has_row(pair.body_b.slot));
+    };
+    if (!std::ranges::all_of(changes.replaced, has_rows) || !std::ranges::all_of(changes.added, has_rows)) return false;
     if (!std::exchange(places_known_, true)) note_places();
     point_count_ = contacts.summary.points;
     begin_rows(proxies, bodies, executor);
@@ -193,7 +193,7 @@ void ContactSolver::fill_changed_rows(const ContactSet& contacts, const ContactC
             fill_side(pair.proxy_a, proxies, bodies);
             fill_side(pair.proxy_b, proxies, bodies);
             const std::int32_t points = some == &changes.added ? 0 : manifold_rows_[m].count;
-            manifold_rows_[m] = row_of(contacts.manifolds[m], sides_[pair.proxy_a], sides_[pair.proxy_b]);
+            manifold_rows_[m] = row_of(contacts, m);
             grown_ += manifold_rows_[m].count > points ? 1 : 0;
             contact_rows_[m] = {manifold_rows_[m].row_a, manifold_rows_[m].row_b};
         }

@@ -76,11 +76,13 @@ ContactSummary link_part(ContactSet& contacts, FunctionRef<ContactPair(std::uint
         pair = make(manifolds[first].pair);
         pair.first_manifold = first;
         pair.manifold_count = next - first;
+        const std::size_t touched = sum.touching;
         for (std::uint32_t m = first; m < next; ++m) {
             manifolds[m].pair = static_cast<std::uint32_t>(i);
             pair.point_count += manifolds[m].count;
             sum_up(manifolds[m], sum);
         }
+        pair.predicted = sum.touching == touched;
     }
     return sum;
 }

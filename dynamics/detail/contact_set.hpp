@@ -21,7 +21,12 @@ struct ContactPair {
     std::uint32_t proxy_a = 0, proxy_b = 0;  ///< slots of the shapes
     std::uint32_t first_manifold = 0, manifold_count = 0;
     std::uint32_t point_count = 0;           ///< of these manifolds together
+    bool predicted = false;  ///< none of them touches yet
+    bool passes = false;     ///< and in this step none will: nobody's to solve (passing.hpp)
     bool flies = false;  ///< the two bounce or pass, and nothing holds either: not the solver's (impacts.hpp)
+
+    /// Whether it is the solver's.
+    [[nodiscard]] bool is_solved() const noexcept { return !passes && !flies; }
 };
 
 /// Impulses of one contact point, in the order of the manifold's points [N s].
@@ -55,6 +60,11 @@ struct ContactSet {
     [[nodiscard]] std::size_t manifold_count() const noexcept { return order.empty() ? manifolds.size() : order.size(); }
     /// The i-th manifold in the order of the pairs, of those in use.
     [[nodiscard]] std::uint32_t manifold_number(std::size_t i) const noexcept { return order.empty() ? static_cast<std::uint32_t>(i) : order[i]; }
+
+    /// How many points of a manifold in use are to be solved.
+    [[nodiscard]] std::uint32_t solved_points(std::uint32_t manifold) const noexcept {
+        return pairs[manifolds[manifold].pair].passes ? 0 : manifolds[manifold].count;
+    }
 
     void clear() noexcept {
         summary = {};

@@ -93,7 +93,7 @@ void ContactSolver::prepare(const ContactSet& contacts, std::span<const unsigned
 void ContactSolver::mark_rows(const ContactSet& contacts, std::span<const unsigned char> held, const BodyArrays& bodies) {
     row_of_slot_.assign(bodies.roles.size(), kNoRow);
     for (const ContactPair& pair : contacts.pairs) {
-        if (pair.flies) continue;
+        if (!pair.is_solved()) continue;
         for (const std::uint32_t slot : {pair.body_a.slot, pair.body_b.slot}) {
             if (bodies.roles[slot] != Role::Static) row_of_slot_[slot] = kTouched;
         }
@@ -202,12 +202,10 @@ void ContactSolver::fill_manifold_rows(const ContactSet& contacts, Executor& exe
                              .row_b = static_cast<std::int32_t>(slot_of_row_.size())};
     executor.parallel_for(count, kManifoldGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t m = begin; m < end; ++m) {
-            const std::uint32_t number = contacts.manifolds[m].pair;
-            if (number == kNoPair) {
+            if (contacts.manifolds[m].pair == kNoPair) {
                 manifold_rows_[m] = manifold_rows_[count];
             } else {
-                const ContactPair& pair = contacts.pairs[number];
-                manifold_rows_[m] = row_of(contacts.manifolds[m], sides_[pair.proxy_a], sides_[pair.proxy_b]);
+                manifold_rows_[m] = row_of(contacts, static_cast<std::uint32_t>(m));
             }
             contact_rows_[m] = {manifold_rows_[m].row_a, manifold_rows_[m].row_b};
             kinds_[m] = kind_of(manifold_rows_[m]);
@@ -215,7 +213,10 @@ void ContactSolver::fill_manifold_rows(const ContactSet& contacts, Executor& exe
     });
 }
 
-ManifoldRow ContactSolver::row_of(const Manifold& manifold, const Side& a, const Side& b) const {
+ManifoldRow ContactSolver::row_of(const ContactSet& contacts, std::uint32_t number) const {
+    const Manifold& manifold = contacts.manifolds[number];
+    const ContactPair& pair = contacts.pairs[manifold.pair];
+    const Side &a = sides_[pair.proxy_a], &b = sides_[pair.proxy_b];
     ManifoldRow row;
     row.normal[0] = manifold.normal.x, row.normal[1] = manifold.normal.y, row.normal[2] = manifold.normal.z;
     dvec3 origin_a = a.origin - a.centre, origin_b = a.origin - b.centre;
@@ -236,7 +237,7 @@ ManifoldRow ContactSolver::row_of(const Manifold& manifold, const Side& a, const
     }
     row.row_a = a.row;
     row.row_b = b.row;
-    row.count = static_cast<std::int32_t>(manifold.count);
+    row.count = static_cast<std::int32_t>(contacts.solved_points(number));
     row.meets_fixed = a.row >= rows_.movable || b.row >= rows_.movable ? 1 : 0;
     return row;
 }
@@ -293,7 +294,7 @@ void ContactSolver::lay_out_bundles() {
 
 void ContactSolver::deal_out_points() {
     std::vector<std::uint32_t>& most = places_;  // of each bundle
-    most.assign(bundles_.size(), 0);
+    most.assign(bundles_.size(), 1);  // where all lanes pass by, passes still read the first
     std::size_t sum = 0;
     for (std::size_t b = 0; b < bundles_.size(); ++b) {
         for (std::uint32_t i = lanes_[b].begin; i < lanes_[b].end; ++i)

@@ -169,7 +169,7 @@ bool DirectIslands::analyse(Memory& memory, const Island& island, const DirectWo
     for (const std::uint32_t m : manifolds) {
         const ContactPair& pair = world.contacts.pairs[world.contacts.manifolds[m].pair];
         const std::int32_t a = local_of_slot_[pair.body_a.slot], b = local_of_slot_[pair.body_b.slot];
-        new_links_.push_back({a, b, world.contacts.manifolds[m].count});
+        new_links_.push_back({a, b, world.contacts.solved_points(m)});
         joints += a != kNoBody && b != kNoBody ? 1 : 0;
     }
     const bool known = memory.analysed && std::ranges::equal(memory.slots, bodies) && memory.links == new_links_;

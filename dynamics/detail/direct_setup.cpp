@@ -36,7 +36,6 @@ Surfaces surfaces_of(const ProxySet& proxies, const ContactPair& pair, const Man
     return {static_cast<double>(met.friction), static_cast<double>(met.restitution)};
 }
 
-dvec3 point_velocity(const BodyState& state, const dvec3& at) { return state.velocity + glm::cross(state.spin, at - state.pose.position); }
 
 double extent_of(const ProxySet& proxies, const ContactPair& pair) {
     return std::min(proxies.extents[pair.proxy_a], proxies.extents[pair.proxy_b]);
@@ -89,7 +88,7 @@ IslandShape look_at_island(const DirectWorld& world, std::span<const std::uint32
         for (const std::uint32_t slot : {pair.proxy_a, pair.proxy_b}) {
             if (world.bodies.roles[world.proxies.bodies[slot]] == Role::Dynamic) shape.largest = std::max(shape.largest, world.proxies.by_slot[slot].reach);
         }
-        if (shape.impact || surfaces_of(world.proxies, pair, manifold).restitution <= 0.0) continue;
+        if (shape.impact || pair.passes || surfaces_of(world.proxies, pair, manifold).restitution <= 0.0) continue;
         const BodyState& a = world.bodies.states[pair.body_a.slot];
         const BodyState& b = world.bodies.states[pair.body_b.slot];
         for (const ContactPoint& point : manifold.used()) {
@@ -134,7 +133,7 @@ void fill_problem(const DirectWorld& world, const IslandLists& island, const Isl
         c.friction = surfaces_of(world.proxies, pair, manifold).friction;
         c.softness = stiffness.sag / (island.loads[i] * dt * slow);
         const double push_limit = step.max_push * extent_of(world.proxies, pair) / dt;
-        for (std::size_t k = 0; k < manifold.count; ++k) {
+        for (std::size_t k = 0; k < world.contacts.solved_points(m); ++k) {
             const ContactPoint& point = manifold.points[k];
             const dvec3 at = world.proxies.poses[pair.proxy_a].position + dvec3{point.position};
             const auto separation = static_cast<double>(point.separation);
@@ -154,7 +153,7 @@ void fill_problem(const DirectWorld& world, const IslandLists& island, const Isl
 void guess_impulses(const DirectWorld& world, std::span<const std::uint32_t> manifolds, const DirectStep& step, DirectProblem& problem) {
     std::size_t next = 0;
     for (const std::uint32_t m : manifolds) {
-        for (std::size_t k = 0; k < world.contacts.manifolds[m].count; ++k) {
+        for (std::size_t k = 0; k < world.contacts.solved_points(m); ++k) {
             DirectContact& c = problem.contacts[next++];
             c.impulse = step.substeps * static_cast<double>(world.contacts.impulses[m][k].normal) * c.normal + c.friction_guess;
         }
@@ -181,7 +180,7 @@ void apply_solution(const DirectProblem& problem, std::span<const std::uint32_t>
     const double share = 1.0 / step.substeps;
     std::size_t next = 0;
     for (const std::uint32_t m : manifolds) {
-        for (std::size_t k = 0; k < world.contacts.manifolds[m].count; ++k) {
+        for (std::size_t k = 0; k < world.contacts.solved_points(m); ++k) {
             const DirectContact& c = problem.contacts[next++];
             const double normal = glm::dot(c.impulse, c.normal);
             world.contacts.impulses[m][k] = {static_cast<float>(share * normal), vec3{share * (c.impulse - normal * c.normal)}};

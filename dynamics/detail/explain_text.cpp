@@ -67,7 +67,9 @@ std::string back_face_text(const PairExplanation& contact) {
 }
 
 std::string margin_text(const StepContacts& found, double margin) {
-    return "their nearest contact has a gap of " + metres(found.least_separation) + "; within the margin of " + metres(margin) +
+    const std::string gap = "their nearest contact has a gap of " + metres(found.least_separation);
+    if (found.passes) return gap + ", and what they moved by in the step did not lead them there: they pass by each other";
+    return gap + "; within the margin of " + metres(margin) +
            " the solver keeps it from closing further";
 }
 

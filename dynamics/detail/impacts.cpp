@@ -79,6 +79,7 @@ void Impacts::list(const ContactSet& contacts, const ProxySet& proxies, const Bo
     bouncers_.clear();
     events_.clear();
     for (const ContactPair& pair : contacts.pairs) {
+        if (pair.passes) continue;
         const Proxy& a = proxies.by_slot[pair.proxy_a];
         const Proxy& b = proxies.by_slot[pair.proxy_b];
         for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
@@ -248,7 +249,7 @@ void Impacts::mark_flying(ContactSet& contacts, const BodyArrays& bodies, std::s
         std::uint32_t bouncing = 0;
         for (; next < bouncers_.size() && bouncers_[next].pair == p; ++next) ++bouncing;
         pair.flies = pair.flies && bouncing == pair.manifold_count;
-        if (pair.flies) continue;
+        if (!pair.is_solved()) continue;
         hold(flyer_of_slot_[pair.body_a.slot]);
         hold(flyer_of_slot_[pair.body_b.slot]);
     }

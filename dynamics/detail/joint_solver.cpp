@@ -145,7 +145,7 @@ void JointSolver::begin(const JointSet& joints, const BodyArrays& bodies, const 
     alone_.assign(bodies.roles.size(), 0);
     std::vector<unsigned char>& touched = alone_;  // until the islands are known
     for (const ContactPair& pair : others.contacts.pairs) {
-        if (!pair.flies) touched[pair.body_a.slot] = touched[pair.body_b.slot] = 1;
+        if (pair.is_solved()) touched[pair.body_a.slot] = touched[pair.body_b.slot] = 1;
     }
     for (JointIsland& island : islands_) {
         island.alone = std::ranges::none_of(island.bodies, [&](const JointBody& body) { return touched[body.slot] != 0; });

@@ -15,6 +15,7 @@
 #include <carom/dynamics/detail/joint_set.hpp>
 #include <carom/dynamics/detail/joint_solver.hpp>
 #include <carom/dynamics/detail/part_surface.hpp>
+#include <carom/dynamics/detail/passing.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
 #include <carom/dynamics/detail/share_choice.hpp>
 #include <carom/dynamics/detail/sleepers.hpp>
@@ -186,6 +187,8 @@ struct World::Impl {
     [[nodiscard]] double calm_share() const;
     [[nodiscard]] bool choose_looked(double dt);
     void patch_contacts(dynamics::Step& step);
+    /// Marks the pairs of this step that only pass by each other.
+    void find_passing(dynamics::Step& step, const dynamics::Motion& motion);
     void solve_contacts(dynamics::Step& step, double dt);
     /// Follows what moved far.
     void follow(dynamics::Step& step, double dt);
@@ -231,6 +234,7 @@ struct World::Impl {
     std::vector<unsigned char> displaced;  // by slot: bodies that others than the contact solver put where they are
     bool taken_over = false, patched = false;  // in this step: whether `previous` has the contacts of the step before, or `contacts` still are those
     bool carries = false;                     // when it began, the candidates of the step before had names
+    dynamics::Passing passing;
     dynamics::Impacts impacts;
     dynamics::DirectIslands direct;
     dynamics::ResidualMeter residual;  // empty unless WorldDef::report_residual
