@@ -98,7 +98,6 @@ void Passing::find(ContactSet& contacts, const ContactChanges* changes, const Pr
                 if (const std::uint32_t p = contacts.manifolds[m].pair; m == contacts.pairs[p].first_manifold) list(p);
             }
         }
-        std::ranges::sort(found_);
     }
     executor.parallel_for(found_.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {

@@ -34,7 +34,7 @@ public:
     /// every number of threads.
     void find(ContactSet& contacts, const ContactChanges* changes, const ProxySet& proxies, const BodyArrays& bodies, const Motion& motion, Executor& executor);
 
-    /// Of the last find(), the pairs that pass, ascending.
+    /// Of the last find(), the pairs that pass.
     [[nodiscard]] std::span<const std::uint32_t> pairs() const noexcept { return found_; }
 
     void clear() noexcept { found_.clear(); }
