@@ -97,7 +97,7 @@ struct CollideCounts {
 
 /// Collides all `pairs`, (n,), sorted into batches by kernel, and replaces `out` by their manifolds in the order of `pairs`.
 /// The same bits as the single call, on every number of threads and at every SIMD width.
-/// What depends on one shape alone is done once for each, however many pairs it is in.
+/// What depends on one shape alone is looked at once for each, however many pairs it is in. On one thread, `out` may get other memory than it had.
 /// Misuse as in the single call, and sizes of `placed` that differ or a number beyond them: nothing changes.
 CollideCounts collide(const PlacedShapes& placed, std::span<const NumberedPair> pairs, Executor& executor, CollideScratch& scratch,
                       std::vector<Manifold>& out);

@@ -2,14 +2,17 @@
 #include <carom/core/check.hpp>
 #include <carom/narrowphase/collide.hpp>
 #include <carom/narrowphase/detail/batch_memory.hpp>
-#include <carom/narrowphase/detail/box_lanes.hpp>
 #include <carom/narrowphase/detail/check_pair.hpp>
+#include <carom/narrowphase/detail/kernels.hpp>
 #include <carom/narrowphase/detail/pair_lanes.hpp>
 #include <carom/narrowphase/detail/workspace.hpp>
 
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <bit>
+#include <limits>
+#include <numeric>
 #include <utility>
 
 namespace carom {
@@ -24,6 +27,9 @@ constexpr std::size_t kBlock = 1024, kBlockOfThread = 4096;
 constexpr std::size_t kKinds = static_cast<std::size_t>(kShapeTypeCount) * static_cast<std::size_t>(kShapeTypeCount);
 
 constexpr unsigned char kNoShape = 255;
+constexpr std::size_t kind_of(std::size_t type_a, std::size_t type_b) noexcept {
+    return type_a * static_cast<std::size_t>(kShapeTypeCount) + type_b;
+}
 constexpr std::uint16_t kReused = kKinds;  // in place of a kind
 
 struct Chunk {
@@ -45,12 +51,12 @@ struct CollideScratch::Data {
     std::vector<Pose> poses;
     std::vector<NumberedPair> numbered;
     std::vector<unsigned char> types;  // by shape; kNoShape for none
-    std::vector<detail::BoxLine> boxes;
     std::vector<std::uint16_t> kinds;  // by pair
     std::vector<std::uint32_t> order;  // of a block's pairs to be run
     std::vector<Place> places;         // by pair of a block, and so:
     std::vector<std::size_t> starts;   // where its manifolds are to be
     std::vector<Chunk> chunks;
+    detail::ManifoldList direct;  // manifolds of a block that are written in their order, in memory that `out` takes over
     detail::BatchMemory memory;
 };
 
@@ -65,7 +71,7 @@ struct CollideBatch {
     std::span<const Manifold> last;
     Executor& executor;
     CollideScratch::Data& data;
-    bool alone = false;  // knows nothing of the batch before, and is not remembered
+    bool alone = false;     // knows nothing of the batch before, and is not remembered
     std::size_t block = 0;  // the first pair of the one that is run
 
     static CollideScratch::Data& data_of(CollideScratch& scratch) {
@@ -73,18 +79,21 @@ struct CollideBatch {
         return *scratch.data_;
     }
 
-    [[nodiscard]] detail::BatchInput input() const noexcept { return {placed, data.boxes, pairs}; }
+    [[nodiscard]] detail::BatchInput input() const noexcept { return {placed, pairs}; }
 
-    // What is done once for each shape. @return whether all poses are finite.
-    [[nodiscard]] bool look_at_shapes() {
-        const std::size_t count = placed.shapes.size();
-        data.types.resize(count);
+    void look_at_types() {
+        data.types.resize(placed.shapes.size());
+        executor.parallel_for(data.types.size(), 256, [&](std::size_t begin, std::size_t end) {
+            unsigned char* const types = data.types.data();  // which may be anything's bytes: so pointers to what is read are kept
+            const Shape* const* const shapes = placed.shapes.data();
+            for (std::size_t k = begin; k < end; ++k)
+                types[k] = shapes[k] == nullptr ? kNoShape : static_cast<unsigned char>(shapes[k]->index());
+        });
+    }
+
+    [[nodiscard]] bool poses_are_finite() const {
         std::atomic<bool> finite{true};
-        executor.parallel_for(count, 256, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t k = begin; k < end; ++k) {
-                const Shape* const shape = placed.shapes[k];
-                data.types[k] = shape == nullptr ? kNoShape : static_cast<unsigned char>(shape->index());
-            }
+        executor.parallel_for(data.types.size(), 256, [&](std::size_t begin, std::size_t end) {
             if (!poses_are_finite(begin, end)) finite.store(false, std::memory_order_relaxed);
         });
         return finite.load();
@@ -114,46 +123,51 @@ struct CollideBatch {
         if (!detail::kernel_for(static_cast<ShapeType>(a), static_cast<ShapeType>(b)).exists()) {
             return {"collide: two planes have no contact", ErrorCode::WrongType};
         }
-        data.kinds[i] = static_cast<std::uint16_t>(a * static_cast<std::size_t>(kShapeTypeCount) + b);
+        data.kinds[i] = static_cast<std::uint16_t>(kind_of(a, b));
         return {};
     }
 
-    [[nodiscard]] detail::PairFault find_fault() {
-        if (placed.shapes.size() != placed.poses.size()) return {"collide: shapes and poses differ in number"};
-        if (!look_at_shapes()) return {"collide: a pose is not finite", ErrorCode::NotFinite};
+    // Whether nothing is wrong with a pair as such, nor unusual.
+    [[nodiscard]] static bool is_plain(const NumberedPair& p, std::size_t shapes) noexcept {
+        // Bits of floats from 0 up are in their order.
+        constexpr auto kMost = std::bit_cast<std::uint32_t>(std::numeric_limits<float>::max());
+        const auto margin = std::bit_cast<std::uint32_t>(p.margin), slack = std::bit_cast<std::uint32_t>(p.slack);
+        return std::max(p.a, p.b) < shapes && std::max(margin, slack) <= kMost && p.last == kNewPair;
+    }
+
+    // Of pairs [begin, end). @return whether all are fit.
+    [[nodiscard]] bool look_at_pairs(std::size_t begin, std::size_t end) {
+        const unsigned char* const types = data.types.data();
+        std::uint16_t* const kinds = data.kinds.data();
+        const NumberedPair* const all = pairs.data();
+        const std::size_t shapes = data.types.size();
+        std::size_t known = kKinds;  // a kind that has a kernel
+        for (std::size_t i = begin; i < end; ++i) {
+            if (is_plain(all[i], shapes) && kind_of(types[all[i].a], types[all[i].b]) == known) {
+                kinds[i] = static_cast<std::uint16_t>(known);
+                continue;
+            }
+            if (look_at_pair(i).what != nullptr) return false;
+            known = kinds[i];
+        }
+        return true;
+    }
+
+    // @return whether all pairs are fit as such; the poses are another matter.
+    [[nodiscard]] bool look_at_pairs() {
         data.kinds.resize(pairs.size());
         std::atomic<bool> good{true};
         executor.parallel_for(pairs.size(), 1024, [&](std::size_t begin, std::size_t end) {
-            for (std::size_t i = begin; i < end; ++i) {
-                if (look_at_pair(i).what == nullptr) continue;
-                good.store(false, std::memory_order_relaxed);
-                return;
-            }
+            if (!look_at_pairs(begin, end)) good.store(false, std::memory_order_relaxed);
         });
-        if (good.load()) return {};
-        for (std::size_t i = 0;; ++i) {  // the first one is named
-            if (const detail::PairFault fault = look_at_pair(i); fault.what != nullptr) return fault;
-        }
+        return good.load();
     }
 
-    // For pairs of boxes.
-    void write_lines() {
-        data.boxes.resize(data.types.size());
-        executor.parallel_for(data.types.size(), 256, [&](std::size_t begin, std::size_t end) {
-            std::array<std::uint32_t, kChunk> boxes;
-            std::size_t box_count = 0;
-            const auto write = [&] {
-                const std::span<const std::uint32_t> chosen(boxes.data(), box_count);
-                detail::write_box_lines(placed, chosen, chosen, data.boxes);
-                box_count = 0;
-            };
-            for (std::size_t k = begin; k < end; ++k) {
-                if (data.types[k] != static_cast<unsigned char>(ShapeType::Box)) continue;
-                boxes[box_count++] = static_cast<std::uint32_t>(k);
-                if (box_count == boxes.size()) write();
-            }
-            write();
-        });
+    // Of the first pair that has one.
+    [[nodiscard]] detail::PairFault find_fault() {
+        for (std::size_t i = 0;; ++i) {
+            if (const detail::PairFault fault = look_at_pair(i); fault.what != nullptr) return fault;
+        }
     }
 
     // Calls `with(kind, begin, end)` for neighbouring pairs of one kind among [from, to): often many.
@@ -183,7 +197,8 @@ struct CollideBatch {
     // Of the pairs [block, end) those that are to be run: a counting sort, stable, so neighbours in the order run the same kernel.
     void sort_by_kernel(std::size_t end) {
         std::array<std::uint32_t, kKinds + 2> starts{};
-        for_runs(block, end, [&](std::size_t kind, std::size_t from, std::size_t to) { starts[kind + 1] += static_cast<std::uint32_t>(to - from); });
+        for_runs(block, end,
+                 [&](std::size_t kind, std::size_t from, std::size_t to) { starts[kind + 1] += static_cast<std::uint32_t>(to - from); });
         for (std::size_t k = 0; k <= kKinds; ++k) starts[k + 1] += starts[k];
         const std::size_t count = starts[kReused];
         data.order.resize(end - block);
@@ -208,11 +223,15 @@ struct CollideBatch {
         }
     }
 
+    [[nodiscard]] static const detail::KernelEntry& kernel_of(std::size_t kind) noexcept {
+        constexpr std::size_t kTypes = static_cast<std::size_t>(kShapeTypeCount);
+        return detail::kernel_for(static_cast<ShapeType>(kind / kTypes), static_cast<ShapeType>(kind % kTypes));
+    }
+
     // Pairs of one kind, which are neighbours in the order.
     void run_kind(std::span<const std::uint32_t> chosen, std::uint32_t index, detail::Workspace& workspace) {
         Chunk& chunk = data.chunks[index];
-        const std::size_t kind = data.kinds[chosen.front()], types = static_cast<std::size_t>(kShapeTypeCount);
-        const detail::KernelEntry& entry = detail::kernel_for(static_cast<ShapeType>(kind / types), static_cast<ShapeType>(kind % types));
+        const detail::KernelEntry& entry = kernel_of(data.kinds[chosen.front()]);
         auto first = static_cast<std::uint32_t>(chunk.manifolds.size());
         if (entry.wide != nullptr) {
             entry.wide(input(), chosen, workspace, chunk.manifolds);
@@ -268,20 +287,59 @@ struct CollideBatch {
             undecided += place.undecided ? 1 : 0;
         }
         const std::size_t needed = data.starts[end - block];
-        if (out.size() < needed) out.resize(needed);  // what it held of another batch is written over, and cleared only where it is too short
-        executor.parallel_for(end - block, 256, [&](std::size_t from, std::size_t to) { finish_pairs(block + from, block + to, out.data()); });
+        if (out.size() < needed)
+            out.resize(needed);  // what it held of another batch is written over, and cleared only where it is too short
+        executor.parallel_for(end - block, 256,
+                              [&](std::size_t from, std::size_t to) { finish_pairs(block + from, block + to, out.data()); });
         return undecided;
     }
 
-    CollideCounts run(std::vector<Manifold>& out) {
-        const auto kinds = count_kinds();
-        constexpr std::size_t kBoxes = static_cast<std::size_t>(ShapeType::Box) * (static_cast<std::size_t>(kShapeTypeCount) + 1);
-        data.boxes.clear();
-        if (4 * kinds[kBoxes] > 3 * data.types.size()) write_lines();  // most boxes are in more than one pair
+    // Pairs of boxes alone, on this thread: their manifolds come in their order, and need no other place.
+    [[nodiscard]] bool are_boxes_in_order() const {
+        constexpr std::size_t kBox = static_cast<std::size_t>(ShapeType::Box);
+        return alone && executor.thread_count() == 1 &&
+               std::ranges::all_of(data.kinds, [](std::size_t kind) { return kind == kind_of(kBox, kBox); });
+    }
+    void run_boxes(detail::ManifoldList& found) {
+        found.clear();
+        for (std::size_t first = 0; first < pairs.size(); first += kBlock) {
+            data.order.resize(std::min(kBlock, pairs.size() - first));
+            std::iota(data.order.begin(), data.order.end(), static_cast<std::uint32_t>(first));
+            detail::box_box(input(), data.order, detail::thread_workspace(), found);
+        }
+    }
 
-        const auto kinds_run = static_cast<std::size_t>(std::count_if(kinds.begin(), kinds.begin() + kReused, [](std::size_t n) { return n > 0; }));
+    // @return what is wrong; nothing has changed then.
+    [[nodiscard]] detail::PairFault run(std::vector<Manifold>& out, CollideCounts& counts) {
+        if (placed.shapes.size() != placed.poses.size()) return {"collide: shapes and poses differ in number"};
+        look_at_types();
+        const bool pairs_fit = look_at_pairs(), in_order = pairs_fit && are_boxes_in_order();
+        // What is few may be found before poses are looked at, which are at hand then; such as are not finite do no harm.
+        const bool early = in_order && pairs.size() <= kBlock;
+        if (early) run_boxes(data.direct);
+        if (!poses_are_finite()) return {"collide: a pose is not finite", ErrorCode::NotFinite};
+        if (!pairs_fit) return find_fault();
+        if (in_order) {
+            detail::ManifoldList list;
+            if (!early) {
+                list.exchange(out);
+                run_boxes(list);
+            }
+            (early ? data.direct : list).exchange(out);
+            data.memory.forget();
+        } else {
+            counts = run_blocks(out);
+        }
+        return {};
+    }
+
+    CollideCounts run_blocks(std::vector<Manifold>& out) {
+        const auto kinds = count_kinds();
+        const auto kinds_run =
+            static_cast<std::size_t>(std::count_if(kinds.begin(), kinds.begin() + kReused, [](std::size_t n) { return n > 0; }));
         const std::size_t threads = static_cast<std::size_t>(executor.thread_count());
-        const std::size_t length = std::min(pairs.size(), std::max<std::size_t>(kinds_run, 1) * (threads == 1 ? kBlock : threads * kBlockOfThread));
+        const std::size_t length =
+            std::min(pairs.size(), std::max<std::size_t>(kinds_run, 1) * (threads == 1 ? kBlock : threads * kBlockOfThread));
         data.places.resize(length);
         data.starts.assign(length + 1, 0);
         CollideCounts counts{.undecided = 0, .reused = kinds[kReused]};
@@ -297,22 +355,25 @@ struct CollideBatch {
     }
 };
 
-CollideCounts collide(const PlacedShapes& placed, std::span<const NumberedPair> pairs, std::span<const Manifold> last,
-                      Executor& executor, CollideScratch& scratch, std::vector<Manifold>& out) {
-    CAROM_REQUIRE(last.empty() || last.data() != out.data(), ErrorCode::InvalidArgument, "collide: the manifolds of the batch before are to be overwritten",
-                  CollideCounts{});
+CollideCounts collide(const PlacedShapes& placed, std::span<const NumberedPair> pairs, std::span<const Manifold> last, Executor& executor,
+                      CollideScratch& scratch, std::vector<Manifold>& out) {
+    CAROM_REQUIRE(last.empty() || last.data() != out.data(), ErrorCode::InvalidArgument,
+                  "collide: the manifolds of the batch before are to be overwritten", CollideCounts{});
     CollideBatch batch{.placed = placed, .pairs = pairs, .last = last, .executor = executor, .data = CollideBatch::data_of(scratch)};
-    const detail::PairFault fault = batch.find_fault();
+    CollideCounts counts;
+    const detail::PairFault fault = batch.run(out, counts);
     CAROM_REQUIRE(fault.what == nullptr, fault.code, fault.what, CollideCounts{});
-    return batch.run(out);
+    return counts;
 }
 
 CollideCounts collide(const PlacedShapes& placed, std::span<const NumberedPair> pairs, Executor& executor, CollideScratch& scratch,
                       std::vector<Manifold>& out) {
-    CollideBatch batch{.placed = placed, .pairs = pairs, .last = {}, .executor = executor, .data = CollideBatch::data_of(scratch), .alone = true};
-    const detail::PairFault fault = batch.find_fault();
+    CollideBatch batch{
+        .placed = placed, .pairs = pairs, .last = {}, .executor = executor, .data = CollideBatch::data_of(scratch), .alone = true};
+    CollideCounts counts;
+    const detail::PairFault fault = batch.run(out, counts);
     CAROM_REQUIRE(fault.what == nullptr, fault.code, fault.what, CollideCounts{});
-    return batch.run(out);
+    return counts;
 }
 
 CollideCounts collide(std::span<const ShapePair> pairs, Executor& executor, CollideScratch& scratch, std::vector<Manifold>& out) {

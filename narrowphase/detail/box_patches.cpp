@@ -47,14 +47,12 @@ struct Pair {
     Floats margin;
 };
 
-HWY_INLINE Pair read_pair(const BoxPairBundle& in, int lane) {
-    const auto three = [lane](const FloatBundle* b) {
-        return Floats3{load(b[0].lane + lane), load(b[1].lane + lane), load(b[2].lane + lane)};
+HWY_INLINE Pair read_pair(const BoxPairBlock& in, std::size_t at) {
+    const auto three = [at](const BoxPairBlock::Column* b) { return Floats3{load(b[0] + at), load(b[1] + at), load(b[2] + at)}; };
+    const auto column = [&in, at](int j) {
+        return Floats3{load(in.rotation[0][j] + at), load(in.rotation[1][j] + at), load(in.rotation[2][j] + at)};
     };
-    const auto column = [&in, lane](int j) {
-        return Floats3{load(in.rotation[0][j].lane + lane), load(in.rotation[1][j].lane + lane), load(in.rotation[2][j].lane + lane)};
-    };
-    return {three(in.half_a), three(in.half_b), three(in.offset), {column(0), column(1), column(2)}, load(in.margin.lane + lane)};
+    return {three(in.half_a), three(in.half_b), three(in.offset), {column(0), column(1), column(2)}, load(in.margin + at)};
 }
 
 /// The edges of an edge axis, a lane; nothing where a face decides.
@@ -182,7 +180,7 @@ void add_face_points(const Faces& f, Mask wanted, Floats margin, WideCandidates&
         const Mask crosses_0 = crosses(0), crosses_1 = crosses(1), crosses_3 = crosses(3);
         const Mask crossed = crosses_0 | crosses_1 | crosses(2);  // a line crosses two edges of a parallelogram, or none
         if (none(crossed)) continue;
-        const auto cross = [&](int edge, const Mask& is_edge, const Mask& is_next) {  // otherwise it is the one after that
+        const auto cross = [&](int edge, const Mask& is_edge, const Mask& is_next) __attribute__((always_inline)) {  // otherwise it is the one after that
             const auto of = [&](const Floats* v, int k) {
                 return select(is_edge, v[(edge + k) % 4], select(is_next, v[(edge + k + 1) % 4], v[(edge + k + 2) % 4]));
             };
@@ -269,9 +267,9 @@ void write_points(const Pair& p, const Faces& f, const WideChoice& chosen, BoxPa
     store(chosen.count, out.count.lane + lane);
 }
 
-void build_patch(const BoxPairBundle& in, const BoxAxisBundle& axes, BoxPatchBundle& out, int lane) {
-    const Pair p = read_pair(in, lane);
-    const Ints code = load(axes.code.lane + lane);
+void build_patch(const BoxPairBlock& in, std::size_t at, BoxPatchBundle& out, int lane) {
+    const Pair p = read_pair(in, at);
+    const Ints code = load(in.code + at);
     const EdgeAxis edges = edge_axis(p, code);
     const Floats3 n = contact_normal(p, code, edges);
     const Floats3 n_b{dot(n, p.column[0]), dot(n, p.column[1]), dot(n, p.column[2])};
@@ -286,7 +284,7 @@ void build_patch(const BoxPairBundle& in, const BoxAxisBundle& axes, BoxPatchBun
     const Floats3 half_a = p.half_a, half_b = p.half_b;
     const Floats most = max(max(max(half_a.x, half_a.y), half_a.z), max(max(half_b.x, half_b.y), half_b.z));
     const Floats tolerance = Floats(kWidePointTolerance) * most;
-    add_edge_point(p, edges, n, n_b, load(axes.separation.lane + lane), tolerance, f, candidates);
+    add_edge_point(p, edges, n, n_b, load(in.separation + at), tolerance, f, candidates);
 
     const Floats one(1.0f), slant(0.381966f), zero(0.0f);  // see outline_start()
     const Mask is_1 = f.axis_a.is_1;
@@ -303,10 +301,9 @@ void build_patch(const BoxPairBundle& in, const BoxAxisBundle& axes, BoxPatchBun
     store(f.axis_b.number(), out.face_b.lane + lane);
 }
 
-void BuildPatches(std::span<const BoxPairBundle> pairs, std::span<const BoxAxisBundle> axes, std::span<BoxPatchBundle> patches, int lanes) {
-    for (std::size_t k = 0; k < pairs.size(); ++k) {
-        for (int lane = 0; lane < lanes; lane += kLanes) build_patch(pairs[k], axes[k], patches[k], lane);
-    }
+void BuildPatch(const BoxPairBlock& block, std::size_t bundle, BoxPatchBundle& patch, int lanes) {
+    for (int lane = 0; lane < lanes; lane += kLanes)
+        build_patch(block, bundle * kBundleWidth + static_cast<std::size_t>(lane), patch, lane);
 }
 
 }  // namespace
@@ -315,11 +312,10 @@ HWY_AFTER_NAMESPACE();
 
 #if HWY_ONCE
 namespace carom::detail {
-HWY_EXPORT(BuildPatches);
-void build_box_patches(std::span<const BoxPairBundle> pairs, std::span<const BoxAxisBundle> axes, std::span<BoxPatchBundle> patches,
-                       BoxLanes lanes) {
-    if (lanes == BoxLanes::First) return CAROM_NARROW_DISPATCH(BuildPatches)(pairs, axes, patches, 1);
-    HWY_DYNAMIC_DISPATCH(BuildPatches)(pairs, axes, patches, kBundleWidth);
+HWY_EXPORT(BuildPatch);
+void build_box_patch(const BoxPairBlock& block, std::size_t bundle, BoxPatchBundle& patch, BoxLanes lanes) {
+    if (lanes == BoxLanes::First) return CAROM_NARROW_DISPATCH(BuildPatch)(block, bundle, patch, 1);
+    HWY_DYNAMIC_DISPATCH(BuildPatch)(block, bundle, patch, kBundleWidth);
 }
 }  // namespace carom::detail
 #endif

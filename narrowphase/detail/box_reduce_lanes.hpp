@@ -35,7 +35,8 @@ HWY_INLINE WidePoint select(Mask m, const WidePoint& yes, const WidePoint& no) {
     return {select(m, yes.u, no.u), select(m, yes.w, no.w), select(m, yes.separation, no.separation), select(m, yes.code, no.code)};
 }
 
-/// At most 17 points: 4 + 4 corners, 8 crossings, 1 pair of edges. Lanes in which a point is not valid have an infinite separation.
+/// At most 17 points: 4 + 4 corners, 8 crossings, 1 pair of edges. Lanes in which a point is not valid have an infinite separation, and NaN for u, so
+/// that no score of theirs is better than another.
 struct WideCandidates {
     static constexpr std::size_t kRoom = 17;
     RawFloats u[kRoom], w[kRoom], separation[kRoom];
@@ -43,36 +44,43 @@ struct WideCandidates {
     std::size_t count = 0;
 
     HWY_INLINE void add(Floats at_u, Floats at_w, Floats at_separation, Mask valid, Ints its_code) {
-        u[count] = at_u.raw;
+        u[count] = select(valid, at_u, Floats(std::numeric_limits<float>::quiet_NaN())).raw;
         w[count] = at_w.raw;
         separation[count] = select(valid, at_separation, Floats(kNever)).raw;
         code[count++] = its_code.raw;
     }
 };
 
-/// The valid point with the largest score so far, if that is over what it began with. Ties go to the first.
+/// The valid point with the largest score so far, if that is over what it began with. Ties go to the first. Scores that u has a part in, which
+/// is NaN for points that are not valid.
 struct WideBest {
     Floats least;
     WidePoint point = no_point();
 
     HWY_INLINE explicit WideBest(Floats over) : least(over) {}
     HWY_INLINE void offer(const WidePoint& candidate, Floats score) {
-        const Mask better = (score > least) & (candidate.separation < Floats(kNever));
+        const Mask better = score > least;
         least = select(better, score, least);
         point = select(better, candidate, point);
     }
 };
 
-/// Calls visit(candidate) for each, in order.
+/// Calls visit(candidate, its number) for each, in order.
 template <class Visit>
 HWY_INLINE void for_each(const WideCandidates& c, const Visit& visit) {
-    for (std::size_t k = 0; k < c.count; ++k) visit(WidePoint{Floats{c.u[k]}, Floats{c.w[k]}, Floats{c.separation[k]}, Ints{c.code[k]}});
+    for (std::size_t k = 0; k < c.count; ++k) visit(WidePoint{Floats{c.u[k]}, Floats{c.w[k]}, Floats{c.separation[k]}, Ints{c.code[k]}}, k);
 }
 
 HWY_INLINE Floats distance_sq(const WidePoint& a, const WidePoint& p) { return (p.u - a.u) * (p.u - a.u) + (p.w - a.w) * (p.w - a.w); }
-HWY_INLINE Floats area2(const WidePoint& a, const WidePoint& b, const WidePoint& p) {
-    return (b.u - a.u) * (p.w - a.w) - (b.w - a.w) * (p.u - a.u);
-}
+/// Twice the area of the triangle of two points and a third.
+struct WideArea {
+    Floats u, w, from_u, from_w;
+
+    /// @param turn  1 or -1, which the area is multiplied by.
+    HWY_INLINE WideArea(const WidePoint& a, const WidePoint& b, Floats turn)
+        : u(turn * (b.u - a.u)), w(turn * (b.w - a.w)), from_u(a.u), from_w(a.w) {}
+    HWY_INLINE Floats of(const WidePoint& p) const { return u * (p.w - from_w) - w * (p.u - from_u); }
+};
 
 /// The first `count` points are in use.
 struct WideChoice {
@@ -84,18 +92,21 @@ struct WideChoice {
 HWY_INLINE WideChoice choose_points(const WideCandidates& all, Floats tolerance, Floats start_u, Floats start_w) {
     WideBest first(Floats(-kNever));
     Floats lowest(kNever);
-    for_each(all, [&](const WidePoint& p) {
+    for_each(all, [&](const WidePoint& p, std::size_t) {
         first.offer(p, p.u * start_u + p.w * start_w);
         lowest = min(p.separation, lowest);
     });
     const WidePoint& a = first.point;
     WideBest farthest(tolerance * tolerance);
-    for_each(all, [&](const WidePoint& p) { farthest.offer(p, distance_sq(a, p)); });
+    for_each(all, [&](const WidePoint& p, std::size_t) { farthest.offer(p, distance_sq(a, p)); });
     const WidePoint& b = farthest.point;
     const Floats least_area = tolerance * sqrt(distance_sq(a, b));
     WideBest left(least_area), right(least_area);
-    for_each(all, [&](const WidePoint& p) {
-        const Floats area = area2(a, b, p);
+    RawFloats areas[WideCandidates::kRoom];
+    const WideArea over_ab(a, b, Floats(1.0f));
+    for_each(all, [&](const WidePoint& p, std::size_t k) {
+        const Floats area = over_ab.of(p);
+        areas[k] = area.raw;
         left.offer(p, area);
         right.offer(p, -area);
     });
@@ -105,9 +116,9 @@ HWY_INLINE WideChoice choose_points(const WideCandidates& all, Floats tolerance,
     const Mask has_c = has_b & exists(c);
     const Floats turn = select(is_left, Floats(-1.0f), Floats(1.0f));
     WideBest beyond(least_area);
-    for_each(all, [&](const WidePoint& p) {
-        beyond.offer(p, max(max(turn * area2(a, b, p), turn * area2(b, c, p)), turn * area2(c, a, p)));
-    });
+    const WideArea over_bc(b, c, turn), over_ca(c, a, turn);
+    for_each(all,
+             [&](const WidePoint& p, std::size_t k) { beyond.offer(p, max(max(turn * Floats{areas[k]}, over_bc.of(p)), over_ca.of(p))); });
     const WidePoint& d = beyond.point;
     const Mask has_d = has_c & exists(d);
 
@@ -123,7 +134,7 @@ HWY_INLINE WideChoice choose_points(const WideCandidates& all, Floats tolerance,
     const Mask replace = exists(a) & (-lowest > tolerance - least);
     if (none(replace)) return out;
     WideBest lowest_point(Floats(-kNever));
-    for_each(all, [&](const WidePoint& p) { lowest_point.offer(p, -p.separation); });
+    for_each(all, [&](const WidePoint& p, std::size_t) { lowest_point.offer(p, -p.separation); });
     const WidePoint& deepest = lowest_point.point;
     Floats nearest(kNever);
     Ints slot(0);

@@ -71,12 +71,9 @@ struct Workspace;  // detail/workspace.hpp
 
 using Kernel = CollideStatus (*)(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 
-struct BoxLine;  // detail/box_lanes.hpp
-
 /// What kernels for many pairs see. Everything has been checked.
 struct BatchInput {
     PlacedShapes placed;
-    std::span<const BoxLine> boxes;  ///< by shape, of boxes alone; empty where the kernel of their pairs is to write its own
     std::span<const NumberedPair> pairs;
 
     /// How far apart the two of a pair may be [m].
@@ -111,7 +108,9 @@ CollideStatus run_pair(const ShapePair& pair, const KernelEntry& entry, std::uin
 /// The shape as what it is known to be.
 template <class T>
 [[nodiscard]] const T& as(const Shape& shape) noexcept {
-    return *std::get_if<T>(&shape);
+    const T* const known = std::get_if<T>(&shape);
+    if (known == nullptr) __builtin_unreachable();
+    return *known;
 }
 
 }  // namespace carom::detail

@@ -2,11 +2,11 @@
 //
 //   list.add().normal = n;                          // one, cleared
 //   Manifold* all = list.add_unwritten(16);         // the caller writes all of them
+//   list.exchange(vector);                          // the memory of a vector, instead of copies
 #pragma once
 
 #include <carom/narrowphase/manifold.hpp>
 
-#include <algorithm>
 #include <cstddef>
 #include <span>
 #include <vector>
@@ -29,9 +29,15 @@ public:
     }
     /// Appends `n` that hold anything. @return the first of them, valid until the next call.
     Manifold* add_unwritten(std::size_t n) {
-        if (all_.size() < count_ + n) all_.resize(std::max(count_ + n, 2 * all_.size()));
+        if (all_.size() < count_ + n) all_.resize(count_ + n);
         count_ += n;
         return all_.data() + (count_ - n);
+    }
+    /// Gives away what it holds for the memory of `other`, and is empty.
+    void exchange(std::vector<Manifold>& other) {
+        all_.resize(count_);
+        all_.swap(other);
+        count_ = 0;
     }
 
 private:

@@ -1,23 +1,46 @@
-#include <carom/core/simd_targets.hpp>
-#undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE <carom/narrowphase/detail/box_axes.cpp>
-#include <hwy/foreach_target.h>
+// Which of fifteen axes two boxes are farthest apart along, a pair a lane.
+//
+//   BestAxis best = best_axis(pair);   // best.apart, best.code, best.separation
+
+// This guard lets the file through once for each target.
+#if defined(CAROM_NARROWPHASE_BOX_AXES_LANES_HPP) == defined(HWY_TARGET_TOGGLE)
+#ifdef CAROM_NARROWPHASE_BOX_AXES_LANES_HPP
+#undef CAROM_NARROWPHASE_BOX_AXES_LANES_HPP
+#else
+#define CAROM_NARROWPHASE_BOX_AXES_LANES_HPP
+#endif
 
 #include <carom/core/lanes.hpp>
 #include <carom/narrowphase/detail/box_lanes.hpp>
-#include <carom/narrowphase/detail/narrow_lanes.hpp>
 #include <carom/narrowphase/detail/tolerances.hpp>
 
 #include <limits>
 
 HWY_BEFORE_NAMESPACE();
 namespace carom::detail::HWY_NAMESPACE {
-namespace {
 
 using namespace carom::HWY_NAMESPACE;
 
-/// The best axis so far, and whether one separates.
-struct Search {
+/// Two boxes in the frame of the first, as in BoxPairBlock.
+struct WidePair {
+    Floats3 half_a, half_b;
+    Floats3 rotation[3];
+    Floats3 offset;
+    Floats margin;
+};
+// The same, to be counted through.
+struct PairNumbers {
+    Floats a[3], b[3], t[3], r[3][3], size[3][3];  // size: of r
+};
+
+struct BestAxis {
+    Floats separation;
+    Ints code;
+    Mask apart;
+};
+
+// The best axis so far, and whether one separates.
+struct AxisSearch {
     Floats separation;
     Ints code;
     Floats edge_separation;
@@ -38,23 +61,8 @@ struct Search {
     }
 };
 
-void find_axes(const BoxPairBundle& pair, BoxAxisBundle& out, int lane) {
-    Floats a[3], b[3], t[3], r[3][3], size[3][3];
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; ++i) {
-        a[i] = load(pair.half_a[i].lane + lane);
-        b[i] = load(pair.half_b[i].lane + lane);
-        t[i] = load(pair.offset[i].lane + lane);
-#pragma GCC unroll 3
-        for (int j = 0; j < 3; ++j) {
-            r[i][j] = load(pair.rotation[i][j].lane + lane);
-            size[i][j] = abs(r[i][j]);
-        }
-    }
-    const Floats most = max(max(max(a[0], a[1]), a[2]), max(max(b[0], b[1]), b[2]));
-    const Floats limit = load(pair.margin.lane + lane) + Floats(kWideRounding) * most;
-    const Floats never(-std::numeric_limits<float>::infinity());
-    Search best{never, Ints(kApart), never, Ints(kApart), t[0] != t[0]};
+HWY_INLINE void try_faces(const PairNumbers& p, Floats limit, AxisSearch& best) {
+    const auto& [a, b, t, r, size] = p;
 #pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) {
         best.face(abs(t[i]) - (a[i] + ((size[i][0] * b[0] + size[i][1] * b[1]) + size[i][2] * b[2])), i, limit);
@@ -64,6 +72,10 @@ void find_axes(const BoxPairBundle& pair, BoxAxisBundle& out, int lane) {
         const Floats along = (r[0][j] * t[0] + r[1][j] * t[1]) + r[2][j] * t[2];
         best.face(abs(along) - (b[j] + ((size[0][j] * a[0] + size[1][j] * a[1]) + size[2][j] * a[2])), kFirstFaceOfB + j, limit);
     }
+}
+
+HWY_INLINE void try_edges(const PairNumbers& p, Floats limit, AxisSearch& best) {
+    const auto& [a, b, t, r, size] = p;
 #pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) {
         const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
@@ -82,27 +94,27 @@ void find_axes(const BoxPairBundle& pair, BoxAxisBundle& out, int lane) {
             best.edge((along - reach) / sqrt(length_sq), is_axis, kFirstEdge + 3 * i + j, limit);
         }
     }
+}
+
+HWY_INLINE BestAxis best_axis(const WidePair& p) {
+    const auto& [r0, r1, r2] = p.rotation;
+    const PairNumbers n{{p.half_a.x, p.half_a.y, p.half_a.z},
+                        {p.half_b.x, p.half_b.y, p.half_b.z},
+                        {p.offset.x, p.offset.y, p.offset.z},
+                        {{r0.x, r0.y, r0.z}, {r1.x, r1.y, r1.z}, {r2.x, r2.y, r2.z}},
+                        {{abs(r0.x), abs(r0.y), abs(r0.z)}, {abs(r1.x), abs(r1.y), abs(r1.z)}, {abs(r2.x), abs(r2.y), abs(r2.z)}}};
+    const Floats most = max(max(max(n.a[0], n.a[1]), n.a[2]), max(max(n.b[0], n.b[1]), n.b[2]));
+    const Floats limit = p.margin + Floats(kWideRounding) * most;
+    const Floats never(-std::numeric_limits<float>::infinity());
+    AxisSearch best{never, Ints(kApart), never, Ints(kApart), n.t[0] != n.t[0]};
+    try_faces(n, limit, best);
+    try_edges(n, limit, best);
     const Mask by_edge = best.edge_separation > best.separation + Floats(kWidePreference) * most;
-    store(select(by_edge, best.edge_separation, best.separation), out.separation.lane + lane);
-    store(select(best.apart, Ints(kApart), select(by_edge, best.edge_code, best.code)), out.code.lane + lane);
+    return {select(by_edge, best.edge_separation, best.separation),
+            select(best.apart, Ints(kApart), select(by_edge, best.edge_code, best.code)), best.apart};
 }
 
-void FindAxes(std::span<const BoxPairBundle> pairs, std::span<BoxAxisBundle> axes, int lanes) {
-    for (std::size_t k = 0; k < pairs.size(); ++k) {
-        for (int lane = 0; lane < lanes; lane += kLanes) find_axes(pairs[k], axes[k], lane);
-    }
-}
-
-}  // namespace
 }  // namespace carom::detail::HWY_NAMESPACE
 HWY_AFTER_NAMESPACE();
 
-#if HWY_ONCE
-namespace carom::detail {
-HWY_EXPORT(FindAxes);
-void find_box_axes(std::span<const BoxPairBundle> pairs, std::span<BoxAxisBundle> axes, BoxLanes lanes) {
-    if (lanes == BoxLanes::First) return CAROM_NARROW_DISPATCH(FindAxes)(pairs, axes, 1);
-    HWY_DYNAMIC_DISPATCH(FindAxes)(pairs, axes, kBundleWidth);
-}
-}  // namespace carom::detail
-#endif
+#endif  // per-target guard
