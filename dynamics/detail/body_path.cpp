@@ -15,15 +15,19 @@ dquat conjugate(const dquat& q) noexcept { return {q.w, -q.x, -q.y, -q.z}; }
 
 /// The rotation vector that takes one orientation to the other, of those that differ by whole turns the one nearest to `about`.
 dvec3 turn_between(const dquat& from, const dquat& to, const dvec3& about) noexcept {
+    if (from == to && about == dvec3{0.0}) return dvec3{0.0};
     const dquat between = to * conjugate(from);
     const dvec3 imaginary{between.x, between.y, between.z};
-    const double sine = glm::length(imaginary), length = glm::length(about);
-    dvec3 axis = sine > kNoAxis ? imaginary / sine : dvec3{0.0};
-    double angle = 2.0 * arctan2(sine, between.w);
-    if (!(sine > kNoAxis)) {
+    const double sine = glm::length(imaginary);
+    dvec3 axis;
+    double angle = 0.0;
+    if (sine > kNoAxis) {
+        axis = imaginary / sine;
+        angle = 2.0 * arctan2(sine, between.w);
+    } else {
+        const double length = glm::length(about);
         if (length == 0.0) return dvec3{0.0};
         axis = about / length;
-        angle = 0.0;
     }
     return axis * (angle + 2.0 * kPi * std::floor((glm::dot(about, axis) - angle) / (2.0 * kPi) + 0.5));
 }
@@ -32,6 +36,7 @@ dvec3 turn_between(const dquat& from, const dquat& to, const dvec3& about) noexc
 /// angular momentum allow.
 double most_spin_change(const BodyState& state, const BodyMass& mass, const FreeMotion& motion, double time) noexcept {
     if (mass.mass == 0.0) return 0.0;
+    if (mass.locked == 0 && mass.inertia == InertiaClass::Isotropic && motion.torque == dvec3{0.0} && motion.angular_damping == 0.0) return 0.0;
     const dvec3 &moment = mass.moments, &inverse = mass.inverse_moments, spin = rotate_inverse(state.pose.orientation, state.spin), momentum = moment * spin;
     const double torque = glm::length(motion.torque), most_inverse = std::max({inverse.x, inverse.y, inverse.z});
     const double root = std::sqrt(glm::dot(momentum, spin)) + torque * time * std::sqrt(most_inverse), length = glm::length(momentum) + torque * time;
@@ -54,17 +59,22 @@ double most_spin_change(const BodyState& state, const BodyMass& mass, const Free
     return pushed + glm::length(change);
 }
 
+/// Written where it stays: numbers that have just been stored one by one are slow to copy.
+void lay_chord(const Pose& from, const Pose& to, const dvec3& turning, PathPiece& piece) noexcept {
+    piece.start = from;
+    piece.translation = to.position - from.position;
+    piece.rotation = turn_between(from.orientation, to.orientation, turning);
+}
+
 }  // namespace
 
 PathPiece chord(const Pose& from, const Pose& to, const dvec3& turning) noexcept {
     PathPiece piece;
-    piece.start = from;
-    piece.translation = to.position - from.position;
-    piece.rotation = turn_between(from.orientation, to.orientation, turning);
+    lay_chord(from, to, turning, piece);
     return piece;
 }
 
-void BodyPath::fly(const Flight& flight, const BodyMass& mass, double begin, const PathSettings& settings) {
+void BodyPath::fly(const Flight& flight, const BodyMass& mass, double begin, const PathSettings& settings, const BodyState* arrived) {
     flight_ = flight;
     mass_ = &mass;
     settings_ = settings;
@@ -73,7 +83,7 @@ void BodyPath::fly(const Flight& flight, const BodyMass& mass, double begin, con
     most_pull_ = pull + motion.linear_damping * (glm::length(flight.start.velocity) + pull * settings.dt);
     most_change_ = most_spin_change(flight.start, mass, motion, settings.dt);
     nodes_.clear();
-    add(flight.start, after(flight.start, 1.0 - begin), begin, 1.0, 0);
+    add(flight.start, arrived != nullptr ? *arrived : after(flight.start, 1.0 - begin), begin, 1.0, 0);
 }
 
 void BodyPath::go(const PathPiece& piece) {
@@ -91,12 +101,15 @@ BodyState BodyPath::after(BodyState state, double share) const noexcept {
 // angular velocities, and the nearer end is at most half the time away.
 void BodyPath::add(const BodyState& from, const BodyState& to, double begin, double end, int depth) {
     const double time = (end - begin) * settings_.dt;
-    PathPiece piece = chord(from.pose, to.pose, 0.5 * time * (from.spin + to.spin));
+    Node& node = nodes_.emplace_back();
+    node.from = from, node.to = to;
+    node.depth = depth;
+    PathPiece& piece = node.piece;
+    lay_chord(from.pose, to.pose, 0.5 * time * (from.spin + to.spin), piece);
     piece.begin = begin, piece.end = end;
     piece.sway = most_pull_ * time * time / 8.0;
     const double differ = std::max(glm::length(time * from.spin - piece.rotation), glm::length(time * to.spin - piece.rotation));
     piece.bend = piece.sway + settings_.reach * std::min(2.0, 0.5 * differ + most_change_ * time * time / 8.0);
-    nodes_.push_back({.piece = piece, .from = from, .to = to, .halves = 0, .depth = depth});
 }
 
 bool BodyPath::can_split(std::uint32_t number) const noexcept {

@@ -51,7 +51,8 @@ public:
     /// Takes the path from `begin` to 1 of a body that is at `flight.start` at `begin`. Sway and bend are bounds: by the largest acceleration and the largest change
     /// of the spin that there can be.
     /// @param mass  stays alive as long as the path is split.
-    void fly(const Flight& flight, const BodyMass& mass, double begin, const PathSettings& settings);
+    /// @param arrived  where the integrator has it at 1, if somebody knows; else null.
+    void fly(const Flight& flight, const BodyMass& mass, double begin, const PathSettings& settings, const BodyState* arrived = nullptr);
     /// Takes one piece, which is not split.
     void go(const PathPiece& piece);
 
@@ -60,6 +61,9 @@ public:
     [[nodiscard]] bool can_split(std::uint32_t number) const noexcept;
     /// @return the two halves, which are made the first time.
     std::pair<std::uint32_t, std::uint32_t> split(std::uint32_t number);
+
+    /// @return how the body that flies moves at 1.
+    [[nodiscard]] const BodyState& end() const noexcept { return nodes_.front().to; }
 
     /// @return a box about all that is ever within `reach` of the centre of mass.
     [[nodiscard]] Aabb box(double reach) const noexcept;

@@ -192,6 +192,7 @@ void Continuous::list_strays(const ContinuousScene& scene) {
 BodyState Continuous::state_at(const ContinuousScene& scene, const Mover& mover, double t) const {
     if (mover.stopped) return mover.flight.start;
     if (mover.flies) {
+        if (t == 1.0 && mover.since < 1.0) return mover.path.end();
         BodyState state = mover.flight.start;
         if (t > mover.since) integrate_free(state, scene.bodies.masses[mover.slot], mover.flight.motion, (t - mover.since) * scene.dt);
         return state;
@@ -231,7 +232,8 @@ void Continuous::lay_path(const ContinuousScene& scene, Mover& mover) const {
     if (mover.stopped) {
         mover.path.go({.begin = mover.since, .start = mover.flight.start.pose});
     } else if (mover.flies) {
-        mover.path.fly(mover.flight, scene.bodies.masses[mover.slot], mover.since, path_settings(sizes_[mover.slot], scene.dt));
+        const BodyState* const arrived = mover.changed ? nullptr : &now;  // what flew and met nothing yet is where the integrator took it
+        mover.path.fly(mover.flight, scene.bodies.masses[mover.slot], mover.since, path_settings(sizes_[mover.slot], scene.dt), arrived);
     } else if (moves(scene.bodies.roles[mover.slot])) {
         mover.path.go(chord(scene.start(mover.slot), now.pose, scene.dt * now.spin));
     } else {
@@ -265,7 +267,14 @@ bool Continuous::keep_company(const ContinuousScene& scene, std::uint32_t slot_a
     const auto& roles = scene.bodies.roles;
     const BodyState &a = scene.bodies.states[slot_a], &b = scene.bodies.states[slot_b];
     const auto way = [&](std::uint32_t slot) { return moves(roles[slot]) ? scene.bodies.states[slot].pose.position - scene.start(slot).position : dvec3{0.0}; };
-    double motion = std::max(glm::length(way(slot_a) - way(slot_b)), glm::length(a.velocity - b.velocity) * scene.dt), extent = std::numeric_limits<double>::infinity();
+    double extent = std::numeric_limits<double>::infinity();
+    for (const std::uint32_t slot : {slot_a, slot_b}) {
+        if (has_mass(roles[slot])) extent = std::min(extent, sizes_[slot].extent);
+    }
+    const double limit = settings_.motion * extent;
+    const dvec3 came = way(slot_a) - way(slot_b);
+    if (glm::dot(came, came) > (1.0 + 0x1p-40) * limit * limit) return false;  // without a root
+    double motion = std::max(glm::length(came), glm::length(a.velocity - b.velocity) * scene.dt);
     const auto flew = [&](std::uint32_t slot) { return departures_[slot].step == step_; };
     if (flew(slot_a) || flew(slot_b)) {
         const dvec3 from_a = flew(slot_a) ? departures_[slot_a].start.velocity : a.velocity, from_b = flew(slot_b) ? departures_[slot_b].start.velocity : b.velocity;
@@ -275,9 +284,8 @@ bool Continuous::keep_company(const ContinuousScene& scene, std::uint32_t slot_a
         const double spin = std::max(glm::length(scene.bodies.states[slot].spin), flew(slot) ? glm::length(departures_[slot].start.spin) : 0.0);
         if (spin > 0.0 && roles[slot] == Role::Kinematic && has_plane(scene, slot)) return false;
         motion += sizes_[slot].reach * std::min(spin * scene.dt, 2.0);
-        if (has_mass(roles[slot])) extent = std::min(extent, sizes_[slot].extent);
     }
-    return motion <= settings_.motion * extent;
+    return motion <= limit;
 }
 
 bool Continuous::stay_together(const ContinuousScene& scene, std::uint32_t slot_a, std::uint32_t slot_b) const {

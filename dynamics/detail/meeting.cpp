@@ -48,13 +48,14 @@ bool Meeting::approaches(double slow) const noexcept {
 
 int Meeting::resolve() {
     double restitution = 1.0;
-    for (const MeetingPoint& p : points) {
+    for (MeetingPoint& p : points) {
+        p.mass = mass_at(*this, p);
         if (closing(*this, p) > 0.0) restitution = std::min(restitution, p.restitution);
     }
     for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
         double largest = 0.0, change = 0.0;
         for (MeetingPoint& p : points) {
-            const double impulse = stopping_impulse(p.impulse, mass_at(*this, p), -closing(*this, p));
+            const double impulse = stopping_impulse(p.impulse, p.mass, -closing(*this, p));
             push(*this, p.at, (impulse - p.impulse) * p.normal);
             change = std::max(change, std::abs(impulse - p.impulse));
             largest = std::max(largest, impulse);

@@ -24,6 +24,7 @@ struct MeetingPoint {
     dvec3 normal{0.0};  ///< unit, from A to B
     double friction = 0.0, restitution = 0.0;
     double impulse = 0.0;  ///< [N s]
+    double mass = 0.0;     ///< what the two weigh along the normal [kg]: resolve() finds it
 };
 
 /// Two bodies at one time, by the law of blow.hpp. The normal impulses are the least that stop every approach (projected Gauss-Seidel), times 1 + e, with one e for all:

@@ -10,6 +10,13 @@ namespace {
 
 constexpr double kRounding = 1e-12;  // far more than all of it, of the numbers that go into a box
 
+/// Whether a ball is in its box as it stands at `end`, which is all that matters of one that does not turn. Rounding is monotone: a difference of doubles that comes
+/// out above a float is not below it.
+bool ball_is_inside(double radius, const dvec3& end, const dvec3& origin, const FloatAabb& box) noexcept {
+    const dvec3 wide = radius * (1.0 + 0x1p-46) + 0x1p-49 * glm::abs(end);  // more than bounds() has, and its rounding
+    return glm::all(glm::greaterThan((end - wide) - origin, dvec3(box.lower))) && glm::all(glm::lessThan((end + wide) - origin, dvec3(box.upper)));
+}
+
 }  // namespace
 
 bool strays(const ProxySet& proxies, std::uint32_t proxy, const BodyWay& step) {
@@ -25,6 +32,9 @@ bool strays(const ProxySet& proxies, std::uint32_t proxy, const BodyWay& step) {
 // The box that the broadphase has is that of the start, drawn along the velocity of then, and wider all round by what motion has beyond that. Against the
 // origin of its body no point has moved by more than the chord of the turn at the reach. Boxes of meshes are wider than the mesh: of them nothing such is known.
 bool surely_stays(const ProxySet& proxies, std::uint32_t proxy, const BodyWay& step) {
+    if (proxies.surfaces[proxy].is_ball && step.to.spin == dvec3{0.0} &&
+        ball_is_inside(0.5 * proxies.extents[proxy], step.to.pose.position, proxies.origin, proxies.boxes[proxy]))
+        return true;
     const Proxy& p = proxies.by_slot[proxy];
     if (proxies.kinds[proxy] != ProxyKind::Bounded || type_of(p.shape) == ShapeType::TriangleMesh ||
         type_of(p.shape) == ShapeType::Compound)
