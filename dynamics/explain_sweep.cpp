@@ -65,7 +65,7 @@ SweepImpact impact_of(const LastPaths& last, const PathImpact& impact) {
         if ((leg.slot == a.body || leg.slot == b.body) && leg.begin < impact.t) begin = std::max(begin, leg.begin);
     }
     RecordedPath path_a(last.paths, a.body), path_b(last.paths, b.body);
-    PairSweep sweep(last.paths, last.proxies, {impact.a, impact.b}, path_a, path_b);
+    PairSweep sweep(last.proxies, {impact.a, impact.b}, path_a, path_b);
     out.advances = sweep.looks(impact.level, begin);
     return out;
 }
@@ -99,7 +99,7 @@ struct World::Impl::SweepJudge {
     bool brief = false;  ///< of two that stayed apart no clearance is wanted
 
     /// What keeps the two from being watched, as far as that is known without a search.
-    [[nodiscard]] SweepReason reason_of(const SweptPair& pair, const PairSweep& sweep) const {
+    [[nodiscard]] SweepReason reason_of(const SweptPair& pair) const {
         const ProxySet& p = w.proxies;
         const std::uint32_t slot_a = p.bodies[pair.a], slot_b = p.bodies[pair.b];
         const auto role = [&](std::uint32_t slot) { return last.paths.bodies[slot].role; };
@@ -107,7 +107,6 @@ struct World::Impl::SweepJudge {
         if (!dynamics::has_mass(role(slot_a)) && !dynamics::has_mass(role(slot_b))) return SweepReason::NeitherDynamic;
         if (!dynamics::filters_agree(p.filters[pair.a], p.filters[pair.b])) return SweepReason::Filter;
         if (dynamics::JointSet::parts(last.paths.parted, slot_a, slot_b)) return SweepReason::Joined;
-        if (sweep.plane_turns()) return SweepReason::TurningPlane;
         if (either(Following::Off)) return SweepReason::Off;
         if (!either(Following::Followed)) {
             if (either(Following::Never)) return SweepReason::Never;
@@ -134,9 +133,9 @@ struct World::Impl::SweepJudge {
     [[nodiscard]] ShapeSweep judge(ShapeId a, ShapeId b) {
         const SweptPair pair = order(a.slot, b.slot);
         const bool swapped = pair.a != a.slot;
-        PairSweep sweep(last.paths, last.proxies, pair, swapped ? path_b : path_a, swapped ? path_a : path_b);
+        PairSweep sweep(last.proxies, pair, swapped ? path_b : path_a, swapped ? path_a : path_b);
         ShapeSweep out{.shape_a = a, .shape_b = b};
-        out.reason = reason_of(pair, sweep);
+        out.reason = reason_of(pair);
         const PathSearch found = sweep.first_contact();
         out.impact = found.impact;
         if (swapped) out.impact.normal = -out.impact.normal;

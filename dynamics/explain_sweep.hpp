@@ -72,7 +72,6 @@ enum class SweepReason : unsigned char {
     Filter,        ///< layers and masks do not agree
     Joined,        ///< a joint of their bodies leaves their contacts out
     BackFace,      ///< one is a one-sided mesh, and the other came from behind
-    TurningPlane,  ///< one is a plane of a kinematic body that turns: its time of impact is not looked for
     Off,           ///< ContinuousSettings::enabled is false, and one of them moved so far that it would have been followed
     Never,         ///< the Continuity of the one that moved so far forbids it
     Still,         ///< neither moved
@@ -81,7 +80,7 @@ enum class SweepReason : unsigned char {
     TooDeep,       ///< they were so deep in each other when the step began that contacts alone hold them
     Pressed,       ///< of a passage: they had contacts, which did not hold them
 };
-/// @return "watched", "same body", "no step", "no shapes", "out of step", "neither dynamic", "filter", "joined", "back face", "turning plane", "off", "never",
+/// @return "watched", "same body", "no step", "no shapes", "out of step", "neither dynamic", "filter", "joined", "back face", "off", "never",
 /// "still", "slow", "company", "too deep", "pressed".
 [[nodiscard]] const char* to_string(SweepReason reason) noexcept;
 

@@ -108,16 +108,15 @@ Impact time_of_impact(const Shape& a, const RigidMotion& motion_a, const Shape& 
     if (!fit(motion_a) || !fit(motion_b) || !fit(settings) || !is_shape(a) || !is_shape(b)) return kInvalid;
     if (detail::query_fault(a, b).what != nullptr) return kInvalid;
     if (type_of(a) == ShapeType::Plane) {
-        if (motion_a.rotation != dvec3{0.0}) return kInvalid;
         Impact impact = search(b, motion_b, a, motion_a, settings, cache);
         impact.normal = -impact.normal;
         return impact;
     }
-    const Plane* plane = std::get_if<Plane>(&b);
-    if (plane != nullptr && motion_b.rotation != dvec3{0.0}) return kInvalid;
     Impact impact = search(a, motion_a, b, motion_b, settings, cache);
-    if (plane != nullptr && impact.status == ImpactStatus::Touching) {
-        const dvec3 foot = transform_point(motion_b.start, moving_core(b, motion_b).foot) + impact.t * motion_b.translation;
+    if (type_of(b) == ShapeType::Plane && impact.status == ImpactStatus::Touching) {
+        const dvec3 local = moving_core(b, motion_b).foot;
+        const dvec3 foot = motion_b.rotation == dvec3{0.0} ? transform_point(motion_b.start, local) + impact.t * motion_b.translation
+                                                           : transform_point(pose_at(motion_b, impact.t), local);
         impact.point += glm::dot(impact.normal, foot - impact.point) * impact.normal;
     }
     return impact;

@@ -31,7 +31,7 @@ struct TimeOfImpactSettings {
     double until = 1.0;       ///< contacts later than this are not looked for, and Separated says nothing of them; 0 to 1
 };
 
-/// The first contact of two convex shapes: spheres, boxes, capsules, hulls, cylinders, cones; and of one such and a plane that does not turn.
+/// The first contact of two convex shapes: spheres, boxes, capsules, hulls, cylinders, cones; and of one such and a plane, which may turn too.
 ///
 /// Guarantee: no contact before t, whatever the status (but for Invalid), and none up to `until` where it is Separated. Each step from t to t + h is
 /// paid for by a plane with the normal n that keeps the shapes apart: along n a point r from its pivot moves by n . (v s + w x r s) but for
@@ -46,7 +46,7 @@ struct TimeOfImpactSettings {
 /// @return `point` on B. Clamped: at the cap on checks.
 /// Accuracy: where Touching the shapes are within separation + tolerance + 8 E, with E = 1.4e-14 (1 + |rotations|) (sizes, distance, motion).
 /// Bad input: Invalid. NaN, infinity, lengths beyond 1e70 m (of settings too), turns beyond 1e9 rad, settings out of range; of shapes sizes that
-/// are negative or not finite and a plane's normal of zero, a mesh or compound, two planes, a null hull, a plane that turns. Sizes of zero are points,
+/// are negative or not finite and a plane's normal of zero, a mesh or compound, two planes, a null hull. Sizes of zero are points,
 /// segments, rectangles.
 /// Cost: some 1 µs a certificate, of boxes half of it; 3 without turning (boxes 1), 8 for turns of 2 rad, 37 for a thin rod at 42 rad; one ball test where balls about the
 /// pivots never meet. No allocation; thread-safe.

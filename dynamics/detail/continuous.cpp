@@ -282,8 +282,14 @@ bool Continuous::keep_company(const ContinuousScene& scene, std::uint32_t slot_a
     }
     for (const std::uint32_t slot : {slot_a, slot_b}) {
         const double spin = std::max(glm::length(scene.bodies.states[slot].spin), flew(slot) ? glm::length(departures_[slot].start.spin) : 0.0);
-        if (spin > 0.0 && roles[slot] == Role::Kinematic && has_plane(scene, slot)) return false;
-        motion += sizes_[slot].reach * std::min(spin * scene.dt, 2.0);
+        if (spin == 0.0) continue;
+        double reach = sizes_[slot].reach;
+        if (roles[slot] == Role::Kinematic && has_plane(scene, slot)) {  // as far from what it turns about as the other may come
+            const std::uint32_t other = slot == slot_a ? slot_b : slot_a;
+            const auto at = [&](std::uint32_t s) { return moves(roles[s]) ? scene.start(s).position : scene.bodies.states[s].pose.position; };
+            reach = std::max(reach, glm::length(at(slot_a) - at(slot_b)) + motion + sizes_[other].reach);
+        }
+        motion += reach * std::min(spin * scene.dt, 2.0);
     }
     return motion <= limit;
 }
@@ -296,7 +302,7 @@ bool Continuous::stay_together(const ContinuousScene& scene, std::uint32_t slot_
         const Role role = scene.bodies.roles[slot];
         const Mover* const mover = mover_of_slot_[slot] == kNone ? nullptr : &movers_[mover_of_slot_[slot]];
         const BodyState& state = mover != nullptr && mover->flies ? mover->flight.start : scene.bodies.states[slot];
-        if (state.spin != dvec3{0.0} && role == Role::Kinematic && has_plane(scene, slot)) return false;
+        if (state.spin != dvec3{0.0} && role == Role::Kinematic && has_plane(scene, slot)) return false;  // seldom, so a search is no loss
         if (moves(role) && (mover == nullptr || !mover->stopped)) {
             velocity[side] = state.velocity;
             motion += sizes_[slot].reach * std::min(glm::length(state.spin) * scene.dt, 2.0);

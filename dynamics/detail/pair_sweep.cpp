@@ -1,9 +1,7 @@
 #include <carom/dynamics/detail/pair_sweep.hpp>
 
 #include <carom/collision/triangle_mesh.hpp>
-#include <carom/core/math.hpp>
 
-#include <cmath>
 #include <limits>
 #include <utility>
 
@@ -15,30 +13,14 @@ constexpr Aabb kEverywhere{dvec3{-kInfinity}, dvec3{kInfinity}};
 
 }  // namespace
 
-PairSweep::PairSweep(const StepPaths& paths, const ProxySet& proxies, const SweptPair& pair, RecordedPath& path_a, RecordedPath& path_b)
+PairSweep::PairSweep(const ProxySet& proxies, const SweptPair& pair, RecordedPath& path_a, RecordedPath& path_b)
     : path_a_(path_a), path_b_(path_b) {
     const Proxy &a = proxies.by_slot[pair.a], &b = proxies.by_slot[pair.b];
     a_ = {a.shape, a.local, a.reach};
     b_ = {b.shape, b.local, b.reach};
     const double size = swept_size(proxies, pair);
     tolerance_ = kSweepToleranceShare * (size < kInfinity ? size : a.reach);
-    const Plane* const plane = std::get_if<Plane>(&b.shape);
-    if (plane == nullptr) return;
-    b_.still = kEverywhere;
-    turns_ = path_b.turns();
-    const double apart = glm::length(paths.bodies[a.body].start.pose.position - paths.bodies[b.body].start.pose.position);
-    if (turns_) b_ = box_of_plane(*plane, b.local, apart + path_a.way() + path_b.way() + a.reach);
-}
-
-// Its upper face lies in the plane.
-PairSweep::Swept PairSweep::box_of_plane(const Plane& plane, const Pose& local, double size) {
-    const dvec3 normal{plane.normal}, up{0.0, 1.0, 0.0};
-    const double length = glm::length(normal), offset = static_cast<double>(plane.offset) / length;
-    const auto half = static_cast<float>(2.0 * (size + std::abs(offset) + glm::length(local.position)));
-    const dvec3 n = normal / length, axis = glm::cross(up, n);
-    const double sine = glm::length(axis), angle = arctan2(sine, glm::dot(up, n));
-    const dquat turn = rotation_from_vector(sine > 0.0 ? axis * (angle / sine) : dvec3{angle, 0.0, 0.0});
-    return {Box{vec3{half}}, local * Pose{(offset - static_cast<double>(half)) * n, turn}, 0.0, kEverywhere};
+    if (type_of(b.shape) == ShapeType::Plane) b_.still = kEverywhere;
 }
 
 bool PairSweep::is_one_sided() const noexcept {

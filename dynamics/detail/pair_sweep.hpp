@@ -15,10 +15,8 @@ namespace carom::dynamics {
 class PairSweep {
 public:
     /// @param pair  in the order in which they are looked at; A is no plane. All but that outlive this.
-    PairSweep(const StepPaths& paths, const ProxySet& proxies, const SweptPair& pair, RecordedPath& path_a, RecordedPath& path_b);
+    PairSweep(const ProxySet& proxies, const SweptPair& pair, RecordedPath& path_a, RecordedPath& path_b);
 
-    /// @return whether B is a plane that turns: a box that is as large as matters stands for it.
-    [[nodiscard]] bool plane_turns() const noexcept { return turns_; }
     [[nodiscard]] bool is_one_sided() const noexcept;
 
     /// The first contact of the two on their whole way; impacts are a little early: what has come as near as they come touches.
@@ -44,7 +42,6 @@ private:
         double reach = 0.0;
         std::optional<Aabb> still{};
     };
-    [[nodiscard]] static Swept box_of_plane(const Plane& plane, const Pose& local, double size);
     [[nodiscard]] const Shape& with_both_sides();
     [[nodiscard]] PathSearch search(const Shape& b, int level, double separation) const;
     [[nodiscard]] PathSearch contact(const Shape& b, double separation);
@@ -53,7 +50,6 @@ private:
     Swept a_, b_;
     std::optional<Shape> two_sided_;
     double tolerance_ = 0.0;
-    bool turns_ = false;
     Cores cores_;
 };
 

@@ -33,7 +33,6 @@ bool touch_pieces(PathSearch& search, double begin, double end, std::uint32_t nu
         const TimeOfImpactSettings settings{.separation = bend + search.separation, .tolerance = search.tolerance};
         const Impact impact = first_touch(shape_a, search.level, shape_b, settings, cores);
         if (search.looks != nullptr) note_looks(search, shape_a, shape_b, settings, begin, end, cores);
-        search.unanswered |= impact.status == ImpactStatus::Invalid;
         if (!may_touch(impact.status) || impact.status == ImpactStatus::Invalid) return false;
         if (!(split_a || split_b)) {
             search.t = begin + impact.t * (end - begin);

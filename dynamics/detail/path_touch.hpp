@@ -38,7 +38,6 @@ struct PathSearch {
     double bend = 0.0;        ///< of the two paths there [m]: the shapes are within separation + bend + tolerance
     Impact impact{};          ///< but for its t, which is of the last piece
     std::int64_t pieces = 0;  ///< of paths that were looked at
-    bool unanswered = false;  ///< some piece was Invalid: a plane that turns (docs/continuous.md)
 };
 
 /// As finely as it takes: a piece that may touch and bends too much is looked at by halves, the earlier first.

@@ -33,19 +33,6 @@ Pose RecordedPath::pose_at(double t) const {
     return state.pose;
 }
 
-bool RecordedPath::turns() const {
-    return std::ranges::any_of(legs_, [](const Leg& leg) { return leg.path.piece(BodyPath::kWhole).rotation != dvec3{0.0}; });
-}
-
-double RecordedPath::way() const {
-    double way = 0.0;
-    for (const Leg& leg : legs_) {
-        const PathPiece& whole = leg.path.piece(BodyPath::kWhole);
-        way += glm::length(whole.translation) + whole.sway;
-    }
-    return way;
-}
-
 bool touch_along(RecordedPath& a, RecordedPath& b, PathSearch& search, Cores& cores, double begin) {
     auto leg_a = a.legs().begin(), leg_b = b.legs().begin();
     search.from = begin;

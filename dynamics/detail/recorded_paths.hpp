@@ -27,10 +27,6 @@ public:
     [[nodiscard]] std::vector<Leg>& legs() noexcept { return legs_; }
     /// @return where the principal frame was, by the integrator where it flew.
     [[nodiscard]] Pose pose_at(double t) const;
-    /// @return whether it turns anywhere on its way.
-    [[nodiscard]] bool turns() const;
-    /// @return at most how far the centre of mass came from where it was at the start [m].
-    [[nodiscard]] double way() const;
 
 private:
     const BodyMass& mass_;

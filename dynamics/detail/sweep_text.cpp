@@ -66,8 +66,6 @@ const char* to_string(SweepReason reason) noexcept {
             return "joined";
         case SweepReason::BackFace:
             return "back face";
-        case SweepReason::TurningPlane:
-            return "turning plane";
         case SweepReason::Off:
             return "off";
         case SweepReason::Never:
@@ -116,8 +114,6 @@ std::string cause_text(SweepReason reason) {
             return "a joint of the two leaves contacts between them out";
         case SweepReason::BackFace:
             return "one is a one-sided mesh and was met from behind";
-        case SweepReason::TurningPlane:
-            return "one is a kinematic plane that turns, whose time of impact is not looked for";
         case SweepReason::Off:
             return "continuous collision is off, so nothing was looked for between the start of the step and its end";
         case SweepReason::Never:
@@ -173,8 +169,6 @@ std::string remedy_of(SweepReason cause, const std::string& who) {
             return "collide_connected = true in their joint";
         case SweepReason::BackFace:
             return "TriangleMeshSettings::one_sided = false";
-        case SweepReason::TurningPlane:
-            return "a box in the plane's place, which is followed as it turns";
         case SweepReason::Off:
             return "ContinuousSettings::enabled = true (leave out --no-continuous, or \"continuous\": false in the scene file)";
         case SweepReason::Never:

@@ -60,7 +60,7 @@ public:
           settings_(settings),
           until_(until),
           closest_(cache != nullptr ? cache : &own_),
-          is_plane_(pair.b.plane_normal != dvec3{0.0}),
+          is_plane_(pair.b.is_plane()),
           are_boxes_(pair.a.is_box() && pair.b.is_box()),
           stands_(pair.a.rotation == dvec3{0.0} && pair.b.rotation == dvec3{0.0}) {
         separation_ = settings.separation / pair.unit;
@@ -146,7 +146,7 @@ private:
 
     /// @return one with which a plane may part the two for long.
     [[nodiscard]] dvec3 turn_of(const Moment& now, const Closest& found) const noexcept {
-        if (is_plane_) return dvec3{0.0};
+        if (is_plane_) return pair_.b.rotation;  // it is the plane that parts them: seen from it, no point of it moves
         const BoxAxis& axis = found.axis;
         if (!axis.exists()) return turn_with_features(now, *closest_);
         if (axis.b == BoxAxis::kNone) return pair_.a.rotation;
@@ -161,7 +161,7 @@ private:
             return safe_step([&](double s) { return plane.gap(s, least_ + left); }, free - left, plane.slope(), now.rest, known);
         };
         const double step = safe(turn, 0.0);
-        return step < now.rest && turn != dvec3{0.0} ? std::max(step, safe(dvec3{0.0}, step)) : step;
+        return step < now.rest && turn != dvec3{0.0} && !is_plane_ ? std::max(step, safe(dvec3{0.0}, step)) : step;
     }
 
     /// By their fifteen axes. @return whether that is enough: it is not where they are near and none of these tells how near.
@@ -189,7 +189,7 @@ private:
 
     void look_closely(Moment& now, Closest& found) noexcept {
         if (is_plane_) {
-            now.part_by(-pair_.b.plane_normal);
+            now.part_by(-pair_.b.normal_at(t_));
             found.touch = now.low_a + pair_.a.radius * now.normal;
             found.upper = glm::dot(now.normal, now.b.centre - found.touch);
             return;

@@ -33,9 +33,13 @@ ConvexCore box_core(const MovingCore& moving, const dquat& orientation, const dv
 
 bool MovingCore::is_box() const noexcept { return shape != nullptr && type_of(*shape) == ShapeType::Box; }
 
+dvec3 MovingCore::normal_at(double t) const noexcept {
+    return rotation == dvec3{0.0} ? plane_normal : rotate(rotation_from_vector(t * rotation), plane_normal);
+}
+
 ConvexCore MovingCore::core(double t, const dvec3& at) const noexcept {
     const dquat orientation = rotation == dvec3{0.0} ? start : rotation_from_vector(t * rotation) * start;
-    if (plane_normal != dvec3{0.0}) {
+    if (is_plane()) {
         ConvexCore point;
         point.centre = at + rotate(orientation, foot - pivot);
         return point;
@@ -55,7 +59,8 @@ ConvexCore MovingCore::core(double t, const dvec3& at) const noexcept {
 
 double MovingPair::rounding() const noexcept {
     const double turns = 1.0 + glm::length(a.rotation) + glm::length(b.rotation);
-    const double size = glm::length(between) + glm::length(along) + a.reach + b.reach + a.radius + b.radius + glm::length(b.foot);
+    const double plane = b.is_plane() ? glm::length(b.foot) + glm::length(b.pivot) : 0.0;
+    const double size = glm::length(between) + glm::length(along) + a.reach + b.reach + a.radius + b.radius + plane;
     return 0x1p-46 * turns * size;
 }
 

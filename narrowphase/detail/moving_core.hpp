@@ -27,12 +27,15 @@ struct MovingCore {
     dvec3 rotation{0.0};    ///< zero of a core that is one point at its pivot
     dvec3 pivot{0.0};       ///< in the shape's frame
     dvec3 foot{0.0};        ///< of a plane: a point of it, in its frame
-    dvec3 plane_normal{0.0};  ///< of a plane, which does not turn: world axes, else zero
+    dvec3 plane_normal{0.0};  ///< of a plane, as it stands at the start: world axes; else zero
     double scale = 1.0;
     double reach = 0.0;     ///< of the core's points from the pivot, at least; a plane's foot has 0
     double radius = 0.0;    ///< of the ball about the core, which turning does not change
 
     [[nodiscard]] bool is_box() const noexcept;
+    [[nodiscard]] bool is_plane() const noexcept { return plane_normal != dvec3{0.0}; }
+    /// @return a plane's normal at t, world axes.
+    [[nodiscard]] dvec3 normal_at(double t) const noexcept;
     /// @param at  of the pivot at t. @return in the pair's unit; a box with its half extents in it and axes of unit length.
     [[nodiscard]] ConvexCore core(double t, const dvec3& at) const noexcept;
 };

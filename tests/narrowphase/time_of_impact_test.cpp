@@ -334,7 +334,7 @@ TEST(TimeOfImpact, BadInputIsInvalid) {
     EXPECT_EQ(time_of_impact(box, far, box, still, {.most_checks = 0}).status, ImpactStatus::Invalid);
     EXPECT_EQ(time_of_impact(hull, still, box, far).status, ImpactStatus::Invalid);
     EXPECT_EQ(time_of_impact(plane, still, plane, far).status, ImpactStatus::Invalid);
-    EXPECT_EQ(time_of_impact(box, still, plane, {.rotation = {0, 1, 0}}).status, ImpactStatus::Invalid);
+    EXPECT_EQ(time_of_impact(plane, {.rotation = {0, 1, 0}}, plane, far).status, ImpactStatus::Invalid);
 }
 
 TEST(TimeOfImpact, ShapesThatAreNoneAreInvalid) {

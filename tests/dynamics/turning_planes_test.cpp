@@ -1,0 +1,103 @@
+// Kinematic half-spaces that turn: what is in front of one stays there, and what they only tilt under is left to the contacts.
+#include "table.hpp"
+
+#include <carom/collision/compound.hpp>
+#include <carom/collision/convex_hull.hpp>
+#include <carom/core/random.hpp>
+
+#include <support/box_mesh.hpp>
+#include <support/random_pose.hpp>
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <vector>
+
+namespace carom {
+namespace {
+
+using namespace test;
+
+Shape any_shape(int kind) {
+    switch (kind % 8) {
+        case 0: return Sphere{0.05f};
+        case 1: return Box{{0.05f, 0.08f, 0.03f}};
+        case 2: return Capsule{0.02f, 0.2f};
+        case 3: return *ConvexHull::build(std::vector<vec3>{{-0.05f, 0, 0}, {0.05f, 0, 0}, {0, 0.06f, 0}, {0, 0, 0.07f}, {0, -0.04f, -0.03f}});
+        case 4: return Cylinder{0.05f, 0.02f};
+        case 5: return Cone{0.04f, 0.06f};
+        case 6: return *Compound::build({{Sphere{0.03f}, {{-0.06, 0, 0}, kIdentityRotation}}, {Box{vec3{0.02f}}, {{0.05, 0, 0}, kIdentityRotation}}});
+        default: return box_mesh(vec3{0.04f, 0.05f, 0.03f}, 2);
+    }
+}
+
+struct Field {
+    World world;
+    BodyId floor;
+    std::vector<BodyId> bodies;
+
+    /// @param spin  of the plane [rad/s].
+    Field(std::uint64_t seed, bool followed, double spin) : world({.gravity = dvec3{0.0}, .continuous = {.enabled = followed}}) {
+        Random random(seed);
+        floor = world.create_body({.type = BodyType::Kinematic, .position = random.range(0.0, 2.0) * random_direction(random),
+                                   .linear_velocity = random.range(0.0, 20.0) * random_direction(random), .angular_velocity = spin * random_direction(random)});
+        world.add_shape(floor, Plane{{0.0f, 1.0f, 0.0f}, -3.0f}, {.layer = 2});
+        const double down = world.pose(floor).position.y - 3.0;
+        for (int i = 0; i < 48; ++i) {
+            const dvec3 at{random.range(-8.0, 8.0), down + random.range(0.4, 3.0), random.range(-8.0, 8.0)};
+            bodies.push_back(world.create_body({.position = at, .orientation = random_rotation(random), .linear_velocity = random.range(0.0, 30.0) * random_direction(random),
+                                                .angular_velocity = random.range(0.0, 60.0) * random_direction(random)}));
+            world.add_shape(bodies.back(), any_shape(i), {.mask = 2});
+        }
+    }
+    [[nodiscard]] int behind() const {
+        const Pose pose = world.pose(floor);
+        int count = 0;
+        for (const BodyId body : bodies) count += inverse_transform_point(pose, world.center_of_mass(body)).y < -3.0;
+        return count;
+    }
+};
+
+TEST(TurningPlanes, NothingComesThroughThem) {
+    int struck = 0, stopped = 0, behind = 0, through = 0;
+    for (std::uint64_t seed = 1; seed <= 40; ++seed) {
+        const double spin = seed % 4 == 0 ? 90.0 : 30.0;  // 1.5 and 0.5 rad a step
+        Field field(seed, true, spin), discrete(seed, false, spin);
+        int stood = 0;  // after most_impacts pushes they stand where they are, and the plane goes on
+        for (int step = 0; step < 2; ++step) {
+            const StepReport report = field.world.step(kDt);
+            struck += static_cast<int>(report.continuous.impacts);
+            stood += static_cast<int>(report.continuous.stopped);
+            EXPECT_LE(field.behind(), stood) << seed << " step " << step;
+        }
+        stopped += stood, behind += field.behind();
+        discrete.world.step(kDt);
+        through += discrete.behind();
+    }
+    std::printf("turning planes: %d blows, %d stopped, %d of them behind, %d behind without\n", struck, stopped, behind, through);
+    EXPECT_GT(struck, 500);
+    EXPECT_LT(stopped, 100) << "of 1,920";
+    EXPECT_GT(through, 300);
+}
+
+// A floor that tilts by 0.2 rad/s under what lies on it: contacts hold that, and the bits are those of a world without the stage.
+TEST(TurningPlanes, WhatLiesOnASlowOneIsLeftToContacts) {
+    std::vector<World> worlds;
+    for (const bool followed : {true, false}) {
+        World& world = worlds.emplace_back(WorldDef{.continuous = {.enabled = followed}});
+        const BodyId floor = world.create_body({.type = BodyType::Kinematic, .angular_velocity = {0.05, 0.0, 0.2}});
+        world.add_shape(floor, Plane{{0.0f, 1.0f, 0.0f}, 0.0f});
+        for (int i = 0; i < 16; ++i) {
+            const Shape shape = i % 2 == 0 ? Shape{Box{{0.2f, 0.15f, 0.25f}}} : Shape{Cylinder{0.2f, 0.15f}};
+            world.add_shape(world.create_body({.position = {1.0 * (i % 4) - 1.5, 0.15, 1.0 * (i / 4) - 1.5}}), shape);
+        }
+        for (int step = 0; step < 60; ++step) {
+            const StepReport report = world.step(kDt);
+            EXPECT_EQ(report.continuous.pairs, 0u) << step;
+        }
+    }
+    EXPECT_EQ(worlds[0].state_hash(), worlds[1].state_hash());
+}
+
+}  // namespace
+}  // namespace carom
