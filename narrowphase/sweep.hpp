@@ -24,9 +24,12 @@
 // 5.5): the union of the faces moved outward, cylinders about the edges and balls about the corners. A moving capsule besides meets
 // edges with its axis: the ray meets the parallelogram of the two, grown. Departure: of boxes the squared distance along the ray, which
 // is convex and quadratic between the crossings of the slabs, is solved piece by piece, which needs no regions (sec. 5.5.7 there misses rays
-// that pass from the region of one edge by a corner to that of another). Shapes not listed here: time_of_impact.hpp.
+// that pass from the region of one edge by a corner to that of another). Cylinders, whose grown rim is a torus: the distance of a convex set is convex along a
+// line, so where the plane between the two closest points lets them meet is before they do, and next to it in a few such steps (van den Bergen 2004 with
+// the distance itself in the place of GJK). Shapes not listed here: time_of_impact.hpp.
 #pragma once
 
+#include <carom/collision/convex_hull.hpp>
 #include <carom/collision/primitives.hpp>
 #include <carom/collision/triangle_mesh.hpp>
 #include <carom/core/check.hpp>
@@ -52,6 +55,10 @@ template <class T>
 template <class T>
 [[nodiscard]] BasicImpact<T> sweep(const Sphere<T>& a, const Vec3<T>& motion, const Triangle<T>& b) noexcept;
 
+/// Against a solid cylinder, or one without length, which is taken for a ball of its radius: 0.2 µs. By planes that part the two (below).
+template <class T>
+[[nodiscard]] BasicImpact<T> sweep(const Sphere<T>& a, const Vec3<T>& motion, const Cylinder<T>& b) noexcept;
+
 template <class T>
 [[nodiscard]] BasicImpact<T> sweep(const Capsule<T>& a, const Vec3<T>& motion, const Plane<T>& b) noexcept;
 template <class T>
@@ -65,6 +72,14 @@ template <class T>
 [[nodiscard]] BasicImpact<T> sweep(const Capsule<T>& a, const Vec3<T>& motion, const Obb<T>& b) noexcept;
 template <class T>
 [[nodiscard]] BasicImpact<T> sweep(const Capsule<T>& a, const Vec3<T>& motion, const Triangle<T>& b) noexcept;
+/// By planes that part the two: 2 to 5 µs.
+template <class T>
+[[nodiscard]] BasicImpact<T> sweep(const Capsule<T>& a, const Vec3<T>& motion, const Cylinder<T>& b) noexcept;
+
+/// Against the hull of the vertices, in its frame: as time_of_impact() has what does not turn (time_of_impact.hpp), so contact is found within 1e-9 of the
+/// sizes, and Clamped is an answer. 1 to 3 µs.
+[[nodiscard]] Impact sweep(const Sphere<double>& a, const Vec3<double>& motion, const ConvexHull& b) noexcept;
+[[nodiscard]] Impact sweep(const Capsule<double>& a, const Vec3<double>& motion, const ConvexHull& b) noexcept;
 
 /// Two boxes along the axes: slabs (Kay and Kajiya 1986).
 template <class T>
@@ -82,7 +97,12 @@ template <class T>
 template <class T>
 [[nodiscard]] BasicImpact<T> sweep(const Plane<T>& a, const Vec3<T>& motion, const Cylinder<T>& b) noexcept;
 template <class T>
+[[nodiscard]] BasicImpact<T> sweep(const Plane<T>& a, const Vec3<T>& motion, const Cone<T>& b) noexcept;
+template <class T>
 [[nodiscard]] BasicImpact<T> sweep(const Plane<T>& a, const Vec3<T>& motion, const Triangle<T>& b) noexcept;
+/// Every vertex is looked at; the mesh may be open.
+[[nodiscard]] Impact sweep(const Plane<double>& a, const Vec3<double>& motion, const ConvexHull& b) noexcept;
+[[nodiscard]] Impact sweep(const Plane<double>& a, const Vec3<double>& motion, const TriangleMesh& b) noexcept;
 
 /// The first contact with a mesh, and its triangle.
 struct MeshImpact : Impact {

@@ -1,12 +1,16 @@
 // Half-spaces: what moves towards one, or what one moves towards, touches first with the point that is lowest along its normal.
 #include <carom/narrowphase/sweep.hpp>
 
+#include <carom/collision/convex_hull.hpp>
 #include <carom/narrowphase/detail/sweep_frame.hpp>
+
+#include <span>
 
 namespace carom::geo {
 namespace {
 
 using namespace carom::detail;
+using geo::fit;
 
 /// A lowest point of a solid along n, and the size of what it was computed from.
 struct Lowest {
@@ -42,24 +46,45 @@ Lowest lowest(const Obb<T>& b, const dvec3& n) noexcept {
     }
     return low;
 }
-template <class T>
-Lowest lowest(const Cylinder<T>& c, const dvec3& n) noexcept {
-    Lowest low = lower_end(dvec3(c.axis.a), dvec3(c.axis.b), n);
-    low.size += double(c.radius);
-    dvec3 axis = dvec3(c.axis.b) - dvec3(c.axis.a);
+/// @return what the rim of a disc across `axis` has against n, from its centre. Without an axis it faces anywhere.
+dvec3 rim_against(dvec3 axis, double radius, const dvec3& n) noexcept {
     const double longest = std::max({std::abs(axis.x), std::abs(axis.y), std::abs(axis.z)});
-    if (longest == 0.0) {  // a disc that faces anywhere
-        low.point -= double(c.radius) * n;
-        return low;
-    }
+    if (longest == 0.0) return -radius * n;
     const int exponent = std::ilogb(longest);
     axis = {std::ldexp(axis.x, -exponent), std::ldexp(axis.y, -exponent), std::ldexp(axis.z, -exponent)};
     // The part of n across the axis, which keeps its accuracy where n runs along it.
     const dvec3 across = glm::cross(axis, glm::cross(n, axis));
     const double length = glm::length(across);
-    if (length > 0.0) low.point -= double(c.radius) / length * across;
+    return length > 0.0 ? -(radius / length) * across : dvec3{0.0};
+}
+template <class T>
+Lowest lowest(const Cylinder<T>& c, const dvec3& n) noexcept {
+    Lowest low = lower_end(dvec3(c.axis.a), dvec3(c.axis.b), n);
+    low.size += double(c.radius);
+    low.point += rim_against(dvec3(c.axis.b) - dvec3(c.axis.a), double(c.radius), n);
     return low;
 }
+template <class T>
+Lowest lowest(const Cone<T>& c, const dvec3& n) noexcept {
+    const dvec3 tip(c.tip), base(c.base_center), rim = base + rim_against(base - tip, double(c.radius), n);
+    return {glm::dot(n, tip) <= glm::dot(n, rim) ? tip : rim, std::max(glm::length(tip), glm::length(base) + double(c.radius))};
+}
+Lowest lowest(std::span<const vec3> vertices, const dvec3& n) noexcept {
+    Lowest low{dvec3(vertices.front())};
+    double square = 0.0;
+    for (const vec3& vertex : vertices) {
+        const dvec3 v(vertex);
+        square = std::max(square, glm::dot(v, v));
+        if (glm::dot(n, v) < glm::dot(n, low.point)) low.point = v;
+    }
+    low.size = std::sqrt(square);
+    return low;
+}
+Lowest lowest(const ConvexHull& hull, const dvec3& n) noexcept { return lowest(hull.vertices(), n); }
+Lowest lowest(const TriangleMesh& mesh, const dvec3& n) noexcept { return lowest(mesh.vertices(), n); }
+
+bool fit(const ConvexHull&) noexcept { return true; }  // checked when it was built, and so is
+bool fit(const TriangleMesh&) noexcept { return true; }
 template <class T>
 Lowest lowest(const Triangle<T>& t, const dvec3& n) noexcept {
     const Lowest ab = lower_end(dvec3(t.a), dvec3(t.b), n), end = lower_end(ab.point, dvec3(t.c), n);
@@ -124,8 +149,13 @@ CAROM_PLANE_SWEEPS(Capsule)
 CAROM_PLANE_SWEEPS(Aabb)
 CAROM_PLANE_SWEEPS(Obb)
 CAROM_PLANE_SWEEPS(Cylinder)
+CAROM_PLANE_SWEEPS(Cone)
 CAROM_PLANE_SWEEPS(Triangle)
 #undef CAROM_PLANE_SWEEPS
+
+Impact sweep(const Plane<double>& a, const Vec3<double>& motion, const ConvexHull& b) noexcept { return onto_solid(a, motion, b); }
+Impact sweep(const Plane<double>& a, const Vec3<double>& motion, const TriangleMesh& b) noexcept { return onto_solid(a, motion, b); }
+
 template BasicImpact<float> sweep(const Sphere<float>&, const Vec3<float>&, const Plane<float>&) noexcept;
 template BasicImpact<double> sweep(const Sphere<double>&, const Vec3<double>&, const Plane<double>&) noexcept;
 template BasicImpact<float> sweep(const Capsule<float>&, const Vec3<float>&, const Plane<float>&) noexcept;

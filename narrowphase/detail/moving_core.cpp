@@ -44,6 +44,11 @@ ConvexCore MovingCore::core(double t, const dvec3& at) const noexcept {
         point.centre = at + rotate(orientation, foot - pivot);
         return point;
     }
+    if (ready != nullptr) {
+        ConvexCore placed = *ready;
+        placed.centre = at;
+        return placed;
+    }
     const dvec3 centre = at - rotate(orientation, pivot);
     if (is_box()) return box_core(*this, orientation, centre);
     if (shape != nullptr) return core_of(*shape, orientation, centre, scale);

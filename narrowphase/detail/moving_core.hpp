@@ -22,7 +22,8 @@ struct TrianglePoints {
 /// Lengths in a unit of which a metre is `scale`.
 struct MovingCore {
     const Shape* shape = nullptr;              ///< or null, for
-    const TrianglePoints* triangle = nullptr;  ///< this
+    const TrianglePoints* triangle = nullptr;  ///< this, or
+    const ConvexCore* ready = nullptr;         ///< this: about its centre, in the pair's unit; it does not turn
     dquat start{kIdentityRotation};
     dvec3 rotation{0.0};    ///< zero of a core that is one point at its pivot
     dvec3 pivot{0.0};       ///< in the shape's frame

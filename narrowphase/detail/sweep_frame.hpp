@@ -60,6 +60,10 @@ template <class T>
 [[nodiscard]] bool fit(const Cylinder<T>& c) noexcept {
     return usual_vector(c.axis.a) && usual_vector(c.axis.b) && c.radius >= T(0) && usual(double(c.radius));
 }
+template <class T>
+[[nodiscard]] bool fit(const Cone<T>& c) noexcept {
+    return usual_vector(c.tip) && usual_vector(c.base_center) && c.radius >= T(0) && usual(double(c.radius));
+}
 inline constexpr double kShortestNormal = 1e-140;  ///< squares of shorter ones lose digits
 template <class T>
 [[nodiscard]] bool fit(const Plane<T>& p) noexcept {
