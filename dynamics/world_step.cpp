@@ -65,15 +65,18 @@ void World::Impl::follow(dynamics::Step& step, double dt) {
     const auto parted = [&](std::uint32_t a, std::uint32_t b) { return joints.parts_any() && joints.parts(a, b); };
     const auto wake_slot = [&](std::uint32_t slot) { sleepers.wake(slot, arrays); };
     const dynamics::ContinuousScene scene{proxies, broadphase, arrays, dt, threads(), start, velocity, motion, parted, wake_slot};
-    if (def.record_paths) {
+    const auto write_down = [&] {
+        if (!def.record_paths) return;
         continuous.record(scene, paths);
         paths.parted = joints.parted();
         paths.ids.assign(arrays.roles.size(), BodyId{});
         for (const BodyId id : body_order) paths.ids[id.slot] = id;
-    }
-    if (!def.continuous.enabled) return;
+    };
+    if (!def.continuous.enabled) return write_down();
     step.run(Stage::Continuous, [&] {
-        if (continuous.look(scene)) continuous.run(scene);
+        const bool anybody = continuous.look(scene);
+        write_down();
+        if (anybody) continuous.run(scene);
     });
     step.report.continuous = continuous.counts();
 }

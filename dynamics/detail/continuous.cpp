@@ -5,6 +5,7 @@
 #include <carom/dynamics/detail/strays.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
@@ -145,16 +146,37 @@ void Continuous::record(const ContinuousScene& scene, StepPaths& paths) {
     paths_ = &paths;
 }
 
+// Contacts may give a slender body more spin than a step can follow. Left alone it would not be watched, and yet stay in the world if somebody struck it, which
+// slows it as well. What flew has not been turned at all.
+bool Continuous::slow_down(const ContinuousScene& scene, std::uint32_t slot) {
+    const bool flew = flies(scene, slot);
+    BodyState slower = flew ? departures_[slot].start : scene.bodies.states[slot];
+    const double spin = glm::length(slower.spin);
+    if (scene.bodies.roles[slot] != Role::Dynamic || !(spin * scene.dt > kMostTurn && spin <= kMostSpeed)) return false;
+    slower.spin *= kSlowedTurn / (spin * scene.dt);
+    const BodyState start = slower;
+    if (flew) integrate_free(slower, scene.bodies.masses[slot], scene.free_motion(slot), scene.dt);
+    if (!is_usable(slower, scene.dt)) return false;
+    if (flew) departures_[slot].start = start, departures_[slot].end = slower.pose.position;
+    scene.bodies.states[slot] = slower;
+    return true;
+}
+
 bool Continuous::look(const ContinuousScene& scene) {
     counts_ = {};
     displaced_.clear();
     if (!sizes_known_) list_bodies(scene);
     is_fast_.resize(scene.bodies.roles.size());
+    std::atomic<std::size_t> slowed{0};
     scene.executor.parallel_for(is_fast_.size(), kSlotGrain, [&](std::size_t begin, std::size_t end) {
         for (auto slot = static_cast<std::uint32_t>(begin); slot < end; ++slot) {
-            is_fast_[slot] = is_fast(scene, slot) && is_usable(scene.bodies.states[slot], scene.dt) ? 1 : 0;
+            is_fast_[slot] = is_fast(scene, slot) ? 1 : 0;
+            if (is_fast_[slot] == 0 || is_usable(scene.bodies.states[slot], scene.dt)) continue;
+            is_fast_[slot] = slow_down(scene, slot) ? 1 : 0;
+            slowed.fetch_add(is_fast_[slot], std::memory_order_relaxed);
         }
     });
+    counts_.slowed = slowed.load(std::memory_order_relaxed);
     list_marked(is_fast_, fast_);
     counts_.followed = fast_.size();
     return !fast_.empty();

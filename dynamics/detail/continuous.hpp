@@ -86,13 +86,14 @@ public:
     /// Slots of the bodies that the last run() put elsewhere than where they had come.
     [[nodiscard]] std::span<const std::uint32_t> displaced() const noexcept { return displaced_; }
 
-    /// Writes down how the bodies of a step moved, before run(), which adds what they meet; needs no look().
+    /// Writes down how the bodies of a step moved, before run(), which adds what they meet, and after look(), if that is called at all.
     void record(const ContinuousScene& scene, StepPaths& paths);
     /// Whether the two came so little way against each other that neither's middle can have come to where the other was not near: as in a crowd that falls.
     [[nodiscard]] bool keep_company(const ContinuousScene& scene, std::uint32_t slot_a, std::uint32_t slot_b) const;
 
 private:
     static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+    static constexpr double kSlowedTurn = 0.99 * kMostTurn;  // in a step: what spins faster is slowed down to that [rad]
 
     /// A body that moved by itself, and so along a path that is known.
     struct Departure {
@@ -136,6 +137,8 @@ private:
     [[nodiscard]] bool flies(const ContinuousScene& scene, std::uint32_t slot) const;
     [[nodiscard]] FollowFinding finding_of(const ContinuousScene& scene, std::uint32_t slot) const;
     [[nodiscard]] bool is_fast(const ContinuousScene& scene, std::uint32_t slot) const;
+    /// Of a body that contacts made spin too fast. @return whether it can be followed then.
+    bool slow_down(const ContinuousScene& scene, std::uint32_t slot);
     void list_strays(const ContinuousScene& scene);
     /// Of a stray, or of what has become one.
     void note_way(std::uint32_t slot, const BodyPath& path);

@@ -264,7 +264,7 @@ void Continuous::strike(const ContinuousScene& scene, std::uint32_t number, doub
     mover.impacts += blow;
     const double turn = glm::length(state.spin) * scene.dt;
     if (turn > kMostTurn) {
-        mover.flight.start.spin *= 0.99 * kMostTurn / turn;
+        mover.flight.start.spin *= kSlowedTurn / turn;
         ++counts_.slowed;
     }
     const bool too_many = mover.impacts >= kImpact * settings_.most_impacts;
