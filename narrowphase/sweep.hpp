@@ -72,12 +72,12 @@ template <class T>
 [[nodiscard]] BasicImpact<T> sweep(const Capsule<T>& a, const Vec3<T>& motion, const Obb<T>& b) noexcept;
 template <class T>
 [[nodiscard]] BasicImpact<T> sweep(const Capsule<T>& a, const Vec3<T>& motion, const Triangle<T>& b) noexcept;
-/// By planes that part the two: 2 to 5 µs.
+/// By planes that part the two: 2 µs. k is 1e5 here.
 template <class T>
 [[nodiscard]] BasicImpact<T> sweep(const Capsule<T>& a, const Vec3<T>& motion, const Cylinder<T>& b) noexcept;
 
 /// Against the hull of the vertices, in its frame: as time_of_impact() has what does not turn (time_of_impact.hpp), so contact is found within 1e-9 of the
-/// sizes, and Clamped is an answer. 1 to 3 µs.
+/// sizes, and Clamped is an answer. 1 µs for 32 vertices.
 [[nodiscard]] Impact sweep(const Sphere<double>& a, const Vec3<double>& motion, const ConvexHull& b) noexcept;
 [[nodiscard]] Impact sweep(const Capsule<double>& a, const Vec3<double>& motion, const ConvexHull& b) noexcept;
 
