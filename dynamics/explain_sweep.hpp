@@ -69,16 +69,16 @@ enum class SweepReason : unsigned char {
     NoShapes,
     OutOfStep,  ///< a shape came or changed since the step, or its body is quarantined
     NeitherDynamic,
-    Filter,        ///< layers and masks do not agree
-    Joined,        ///< a joint of their bodies leaves their contacts out
-    BackFace,      ///< one is a one-sided mesh, and the other came from behind
-    Off,           ///< ContinuousSettings::enabled is false, and one of them moved so far that it would have been followed
-    Never,         ///< the Continuity of the one that moved so far forbids it
-    Still,         ///< neither moved
-    Slow,          ///< neither moved far: contacts are to hold them
-    Company,       ///< they came little way against each other: contacts are to hold them
-    TooDeep,       ///< they were so deep in each other when the step began that contacts alone hold them
-    Pressed,       ///< of a passage: they had contacts, which did not hold them
+    Filter,    ///< layers and masks do not agree
+    Joined,    ///< a joint of their bodies leaves their contacts out
+    BackFace,  ///< one is a one-sided mesh, and the other came from behind
+    Off,       ///< ContinuousSettings::enabled is false, and one of them moved so far that it would have been followed
+    Never,     ///< the Continuity of the one that moved so far forbids it
+    Still,     ///< neither moved
+    Slow,      ///< neither moved far: contacts are to hold them
+    Company,   ///< they came little way against each other: contacts are to hold them
+    TooDeep,   ///< they were so deep in each other when the step began that contacts alone hold them
+    Pressed,   ///< of a passage: they had contacts, which did not hold them
 };
 /// @return "watched", "same body", "no step", "no shapes", "out of step", "neither dynamic", "filter", "joined", "back face", "off", "never",
 /// "still", "slow", "company", "too deep", "pressed".

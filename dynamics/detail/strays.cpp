@@ -14,7 +14,8 @@ constexpr double kRounding = 1e-12;  // far more than all of it, of the numbers 
 /// out above a float is not below it.
 bool ball_is_inside(double radius, const dvec3& end, const dvec3& origin, const FloatAabb& box) noexcept {
     const dvec3 wide = radius * (1.0 + 0x1p-46) + 0x1p-49 * glm::abs(end);  // more than bounds() has, and its rounding
-    return glm::all(glm::greaterThan((end - wide) - origin, dvec3(box.lower))) && glm::all(glm::lessThan((end + wide) - origin, dvec3(box.upper)));
+    return glm::all(glm::greaterThan((end - wide) - origin, dvec3(box.lower))) &&
+           glm::all(glm::lessThan((end + wide) - origin, dvec3(box.upper)));
 }
 
 }  // namespace

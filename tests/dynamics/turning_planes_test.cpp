@@ -20,14 +20,23 @@ using namespace test;
 
 Shape any_shape(int kind) {
     switch (kind % 8) {
-        case 0: return Sphere{0.05f};
-        case 1: return Box{{0.05f, 0.08f, 0.03f}};
-        case 2: return Capsule{0.02f, 0.2f};
-        case 3: return *ConvexHull::build(std::vector<vec3>{{-0.05f, 0, 0}, {0.05f, 0, 0}, {0, 0.06f, 0}, {0, 0, 0.07f}, {0, -0.04f, -0.03f}});
-        case 4: return Cylinder{0.05f, 0.02f};
-        case 5: return Cone{0.04f, 0.06f};
-        case 6: return *Compound::build({{Sphere{0.03f}, {{-0.06, 0, 0}, kIdentityRotation}}, {Box{vec3{0.02f}}, {{0.05, 0, 0}, kIdentityRotation}}});
-        default: return box_mesh(vec3{0.04f, 0.05f, 0.03f}, 2);
+        case 0:
+            return Sphere{0.05f};
+        case 1:
+            return Box{{0.05f, 0.08f, 0.03f}};
+        case 2:
+            return Capsule{0.02f, 0.2f};
+        case 3:
+            return *ConvexHull::build(std::vector<vec3>{{-0.05f, 0, 0}, {0.05f, 0, 0}, {0, 0.06f, 0}, {0, 0, 0.07f}, {0, -0.04f, -0.03f}});
+        case 4:
+            return Cylinder{0.05f, 0.02f};
+        case 5:
+            return Cone{0.04f, 0.06f};
+        case 6:
+            return *Compound::build(
+                {{Sphere{0.03f}, {{-0.06, 0, 0}, kIdentityRotation}}, {Box{vec3{0.02f}}, {{0.05, 0, 0}, kIdentityRotation}}});
+        default:
+            return box_mesh(vec3{0.04f, 0.05f, 0.03f}, 2);
     }
 }
 
@@ -39,13 +48,17 @@ struct Field {
     /// @param spin  of the plane [rad/s].
     Field(std::uint64_t seed, bool followed, double spin) : world({.gravity = dvec3{0.0}, .continuous = {.enabled = followed}}) {
         Random random(seed);
-        floor = world.create_body({.type = BodyType::Kinematic, .position = random.range(0.0, 2.0) * random_direction(random),
-                                   .linear_velocity = random.range(0.0, 20.0) * random_direction(random), .angular_velocity = spin * random_direction(random)});
+        floor = world.create_body({.type = BodyType::Kinematic,
+                                   .position = random.range(0.0, 2.0) * random_direction(random),
+                                   .linear_velocity = random.range(0.0, 20.0) * random_direction(random),
+                                   .angular_velocity = spin * random_direction(random)});
         world.add_shape(floor, Plane{{0.0f, 1.0f, 0.0f}, -3.0f}, {.layer = 2});
         const double down = world.pose(floor).position.y - 3.0;
         for (int i = 0; i < 48; ++i) {
             const dvec3 at{random.range(-8.0, 8.0), down + random.range(0.4, 3.0), random.range(-8.0, 8.0)};
-            bodies.push_back(world.create_body({.position = at, .orientation = random_rotation(random), .linear_velocity = random.range(0.0, 30.0) * random_direction(random),
+            bodies.push_back(world.create_body({.position = at,
+                                                .orientation = random_rotation(random),
+                                                .linear_velocity = random.range(0.0, 30.0) * random_direction(random),
                                                 .angular_velocity = random.range(0.0, 60.0) * random_direction(random)}));
             world.add_shape(bodies.back(), any_shape(i), {.mask = 2});
         }

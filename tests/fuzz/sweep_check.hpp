@@ -48,10 +48,8 @@ inline void draw(RawBytes& bytes, RawBytes::Style, geo::Plane<double>& p) { p = 
 
 [[nodiscard]] inline bool is_good(const geo::Sphere<double>& s) { return is_swept(s.center) && is_swept(s.radius) && s.radius >= 0.0; }
 template <class Round>
-    requires requires(const Round& c) { c.axis; }
-[[nodiscard]] bool is_good(const Round& c) {
-    return is_swept(c.axis.a) && is_swept(c.axis.b) && is_swept(c.radius) && c.radius >= 0.0;
-}
+requires requires(const Round& c) { c.axis; }
+[[nodiscard]] bool is_good(const Round& c) { return is_swept(c.axis.a) && is_swept(c.axis.b) && is_swept(c.radius) && c.radius >= 0.0; }
 [[nodiscard]] inline bool is_good(const geo::Aabb<double>& b) {
     return is_swept(b.lower) && is_swept(b.upper) && glm::all(glm::lessThanEqual(b.lower, b.upper));
 }
@@ -74,11 +72,13 @@ public:
         if constexpr (!kExact) return false;
         exact::Rational size = a_.radius + b_.radius;
         for (const exact::Vec& p : b_.corners) {
-            for (const exact::Vec& q : a_.corners) size = std::max(size, exact::Rational(2 * exact::largest(p - q) + a_.radius + b_.radius));
+            for (const exact::Vec& q : a_.corners)
+                size = std::max(size, exact::Rational(2 * exact::largest(p - q) + a_.radius + b_.radius));
         }
         exact::Solid moved = a_;
         for (exact::Vec& p : moved.corners) p = p + exact::number(t) * motion_;
-        return exact::core_distance_sq(moved, b_) > exact::square(moved.radius + b_.radius + exact::number(4e-7) * size + exact::number(1e-68));
+        return exact::core_distance_sq(moved, b_) >
+               exact::square(moved.radius + b_.radius + exact::number(4e-7) * size + exact::number(1e-68));
     }
     [[nodiscard]] bool touch(double t) const {
         exact::Solid moved = a_;
@@ -86,7 +86,8 @@ public:
         if constexpr (std::is_same_v<B, geo::Plane<double>>) {
             const exact::Vec n = exact::vec(b_given_.normal);
             exact::Rational least = exact::dot(n, moved.corners[0]) - exact::number(b_given_.offset);
-            for (const exact::Vec& p : moved.corners) least = std::min(least, exact::Rational(exact::dot(n, p) - exact::number(b_given_.offset)));
+            for (const exact::Vec& p : moved.corners)
+                least = std::min(least, exact::Rational(exact::dot(n, p) - exact::number(b_given_.offset)));
             return least.sign() <= 0 || exact::square(least) <= exact::square(moved.radius) * exact::length_sq(n);
         } else if constexpr (std::is_same_v<B, geo::Cylinder<double>>) {
             return false;  // its tests have an oracle in long double; here the form is looked at
@@ -155,12 +156,18 @@ template <class A, class B>
 template <class A>
 [[nodiscard]] std::string swept_fault_of(RawBytes& bytes, RawBytes::Style style) {
     switch (bytes.byte() % 6) {
-        case 0: return swept_fault<A, geo::Sphere<double>>(bytes, style);
-        case 1: return swept_fault<A, geo::Capsule<double>>(bytes, style);
-        case 2: return swept_fault<A, geo::Aabb<double>>(bytes, style);
-        case 3: return swept_fault<A, geo::Triangle<double>>(bytes, style);
-        case 4: return swept_fault<A, geo::Cylinder<double>>(bytes, style);
-        default: return swept_fault<A, geo::Plane<double>>(bytes, style);
+        case 0:
+            return swept_fault<A, geo::Sphere<double>>(bytes, style);
+        case 1:
+            return swept_fault<A, geo::Capsule<double>>(bytes, style);
+        case 2:
+            return swept_fault<A, geo::Aabb<double>>(bytes, style);
+        case 3:
+            return swept_fault<A, geo::Triangle<double>>(bytes, style);
+        case 4:
+            return swept_fault<A, geo::Cylinder<double>>(bytes, style);
+        default:
+            return swept_fault<A, geo::Plane<double>>(bytes, style);
     }
 }
 
@@ -186,8 +193,8 @@ template <class A>
     if (plane == nullptr) return distance(a, pa, b, pb).status == DistanceStatus::Overlap;
     const dvec3 n(plane->normal), up = rotate(pb.orientation, n / glm::length(n));
     const double foot = static_cast<double>(plane->offset) / glm::length(n);
-    const double size = bounding_radius(a) + std::abs(foot) + glm::length(pa.position - pb.position) + glm::length(ma.pivot) + glm::length(mb.pivot) +
-                        glm::length(ma.translation) + glm::length(mb.translation);
+    const double size = bounding_radius(a) + std::abs(foot) + glm::length(pa.position - pb.position) + glm::length(ma.pivot) +
+                        glm::length(mb.pivot) + glm::length(ma.translation) + glm::length(mb.translation);
     const long double lowest = -reach_along(a, pa, pb.position, -up);
     return lowest - static_cast<long double>(foot) < -1e-12L * static_cast<long double>(size);
 }
@@ -199,7 +206,8 @@ template <class A>
     const Shape b = plane ? Shape{Plane{{x, -y, z}, offset}} : draw_convex(bytes);
     const RigidMotion ma = draw_motion(bytes), mb = draw_motion(bytes);
     const Impact impact = time_of_impact(a, ma, b, mb);
-    if (!(impact.t >= 0.0 && impact.t <= 1.0) || !is_finite(impact.point) || !is_finite(impact.normal)) return "an answer that is not finite";
+    if (!(impact.t >= 0.0 && impact.t <= 1.0) || !is_finite(impact.point) || !is_finite(impact.normal))
+        return "an answer that is not finite";
     if (plane) {
         const Impact swapped = time_of_impact(b, mb, a, ma);
         if (swapped.status != impact.status || swapped.t != impact.t) return "the answer depends on who is called A";
@@ -211,7 +219,8 @@ template <class A>
     if (impact.status == ImpactStatus::Overlapping) return "";
     const double end = may_touch(impact.status) ? impact.t : 1.0;
     for (int k = 0; k <= 16; ++k) {
-        if (overlap_at(a, ma, b, mb, end * k / 16.0)) return may_touch(impact.status) ? "shapes overlap before they are met" : "an overlap is missed";
+        if (overlap_at(a, ma, b, mb, end * k / 16.0))
+            return may_touch(impact.status) ? "shapes overlap before they are met" : "an overlap is missed";
     }
     return "";
 }
@@ -220,9 +229,12 @@ template <class A>
     RawBytes bytes(data);
     const RawBytes::Style style = RawBytes::style_of(data);
     switch (bytes.byte() % 4) {
-        case 0: return swept_fault_of<geo::Sphere<double>>(bytes, style);
-        case 1: return swept_fault_of<geo::Capsule<double>>(bytes, style);
-        default: return turning_fault(bytes, style);
+        case 0:
+            return swept_fault_of<geo::Sphere<double>>(bytes, style);
+        case 1:
+            return swept_fault_of<geo::Capsule<double>>(bytes, style);
+        default:
+            return turning_fault(bytes, style);
     }
 }
 

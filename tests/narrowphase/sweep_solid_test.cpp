@@ -85,9 +85,12 @@ void judge(const A& a, const glm::vec<3, T>& motion, const geo::Cylinder<T>& b, 
         ASSERT_GT(least(gap), -slack) << "missed";
         return;
     }
-    for (const Real share : {Real(0.25), Real(0.75), Real(1)}) ASSERT_TRUE(hit.t == T(0) || gap(share * Real(hit.t)) > -slack) << "late at " << double(hit.t) << " by " << double(gap(share * Real(hit.t))) << " at " << double(share);
+    for (const Real share : {Real(0.25), Real(0.75), Real(1)})
+        ASSERT_TRUE(hit.t == T(0) || gap(share * Real(hit.t)) > -slack)
+            << "late at " << double(hit.t) << " by " << double(gap(share * Real(hit.t))) << " at " << double(share);
     const double size = 6.0 + glm::length(dvec3(motion)), step = std::is_same_v<T, float> ? 1.2e-7 : 0.0;
-    const double most = requires { a.center; } ? 96.0 : 1e5;  // of eps S
+    const double most = requires { a.center; }
+    ? 96.0 : 1e5;  // of eps S
     ASSERT_LT(gap(Real(hit.t)), most * 0x1p-52 * size + step * glm::length(dvec3(motion)));
     ASSERT_EQ(hit.status == ImpactStatus::Overlapping, hit.t == T(0));
     if (hit.status == ImpactStatus::Overlapping) return;
@@ -204,7 +207,8 @@ void judge_hulls(std::uint64_t seed, int count) {
         const exact::Vec by = exact::vec(motion);
         const auto apart = [&](const Rational& t) { return truth.distance_sq(solid, t * by) > exact::square(solid.radius); };
         ASSERT_TRUE(hit.status != ImpactStatus::Invalid && hit.status != ImpactStatus::Clamped) << i;
-        touching += hit.status == ImpactStatus::Touching, separated += hit.status == ImpactStatus::Separated, overlapping += hit.status == ImpactStatus::Overlapping;
+        touching += hit.status == ImpactStatus::Touching, separated += hit.status == ImpactStatus::Separated,
+            overlapping += hit.status == ImpactStatus::Overlapping;
         if (hit.status == ImpactStatus::Separated) {
             for (int k = 0; k <= 8; ++k) ASSERT_TRUE(apart(Rational(k / 8.0))) << i << " missed at " << k;
             continue;
@@ -219,7 +223,8 @@ void judge_hulls(std::uint64_t seed, int count) {
         // The same hull as a shape, placed where its frame is.
         if constexpr (std::is_same_v<A, geo::Sphere<double>>) {
             const auto radius = static_cast<float>(a.radius);
-            const Impact other = time_of_impact(Shape{Sphere{radius}}, {.start = {a.center, kIdentityRotation}, .translation = motion}, Shape{hull}, {});
+            const Impact other =
+                time_of_impact(Shape{Sphere{radius}}, {.start = {a.center, kIdentityRotation}, .translation = motion}, Shape{hull}, {});
             ASSERT_EQ(other.status, geo::sweep(geo::Sphere<double>{a.center, double(radius)}, motion, *hull).status) << i;
         }
     }
@@ -245,9 +250,11 @@ TEST(SweepSolid, PlanesMeetTheLowestPoint) {
         ASSERT_EQ(hit.t, again.t) << i;
         const exact::Vec n = exact::vec(plane.normal), by = exact::vec(motion);
         const auto above = [&](const Rational& t) {
-            return std::ranges::all_of(hull->vertices(), [&](const vec3& v) { return exact::dot(n, exact::vec(v) - t * by) > exact::number(plane.offset); });
+            return std::ranges::all_of(hull->vertices(),
+                                       [&](const vec3& v) { return exact::dot(n, exact::vec(v) - t * by) > exact::number(plane.offset); });
         };
-        touching += hit.status == ImpactStatus::Touching, separated += hit.status == ImpactStatus::Separated, overlapping += hit.status == ImpactStatus::Overlapping;
+        touching += hit.status == ImpactStatus::Touching, separated += hit.status == ImpactStatus::Separated,
+            overlapping += hit.status == ImpactStatus::Overlapping;
         if (hit.status == ImpactStatus::Overlapping) {
             ASSERT_FALSE(above(Rational(-1e-12)) && above(Rational(1e-12))) << i;
             continue;
@@ -271,7 +278,8 @@ TEST(SweepSolid, PlanesMeetTheLowestPoint) {
 TEST(SweepSolid, SizelessShapesAndMotionsAreAnswered) {
     const geo::Cylinder<double> tube{{{2, -1, 0}, {2, 1, 0}}, 0.5}, disc{{{2, 0, 0}, {2, 0, 0}}, 0.5}, line{{{2, -1, 0}, {2, 1, 0}}, 0.0};
     const geo::Sphere<double> point{dvec3{0.0}, 0.0}, ball{dvec3{0.0}, 0.25}, inside{{2, 0.3, 0.1}, 0.1};
-    const geo::Capsule<double> dot{{dvec3{0.0}, dvec3{0.0}}, 0.0}, hair{{dvec3{0.0}, dvec3{0.0, 1e-150, 0.0}}, 0.25}, spear{{{-9, 0, 0}, {9, 0.1, 0.2}}, 0.01};
+    const geo::Capsule<double> dot{{dvec3{0.0}, dvec3{0.0}}, 0.0}, hair{{dvec3{0.0}, dvec3{0.0, 1e-150, 0.0}}, 0.25},
+        spear{{{-9, 0, 0}, {9, 0.1, 0.2}}, 0.01};
     const dvec3 right{4, 0, 0}, nowhere{0.0};
     EXPECT_NEAR(geo::sweep(point, right, tube).t, 0.375, 1e-13);
     EXPECT_NEAR(geo::sweep(point, right, disc).t, 0.375, 1e-13) << "a ball of that radius";
@@ -307,8 +315,9 @@ TEST(SweepSolid, BadInputIsInvalid) {
     };
     for (const double bad : {kInfinity, std::numeric_limits<double>::quiet_NaN(), 1e71}) {
         const dvec3 motion{0, bad, 0};
-        for (const Impact& i : {geo::sweep(ball, motion, tube), geo::sweep(rod, motion, tube), geo::sweep(ball, motion, *hull), geo::sweep(rod, motion, *hull),
-                                geo::sweep(floor, motion, cone), geo::sweep(floor, motion, *hull), geo::sweep(floor, motion, *mesh)}) {
+        for (const Impact& i : {geo::sweep(ball, motion, tube), geo::sweep(rod, motion, tube), geo::sweep(ball, motion, *hull),
+                                geo::sweep(rod, motion, *hull), geo::sweep(floor, motion, cone), geo::sweep(floor, motion, *hull),
+                                geo::sweep(floor, motion, *mesh)}) {
             expect_invalid(i);
         }
         expect_invalid(geo::sweep(geo::Sphere<double>{{bad, 0, 0}, 1.0}, along, *hull));

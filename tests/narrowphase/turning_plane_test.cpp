@@ -78,11 +78,16 @@ Real height(const Shape& shape, const RigidMotion& m, const Plane& plane, const 
 Shape any_shape(Random& random, int kind) {
     const auto size = [&] { return static_cast<float>(random.range(0.05, 0.6)); };
     switch (kind % 6) {
-        case 0: return Sphere{size()};
-        case 1: return Box{{size(), size(), size()}};
-        case 2: return Capsule{size(), size()};
-        case 3: return Cylinder{size(), size()};
-        case 4: return Cone{size(), size()};
+        case 0:
+            return Sphere{size()};
+        case 1:
+            return Box{{size(), size(), size()}};
+        case 2:
+            return Capsule{size(), size()};
+        case 3:
+            return Cylinder{size(), size()};
+        case 4:
+            return Cone{size(), size()};
         default: {
             std::vector<vec3> points;
             for (int i = 0; i < 12; ++i) points.push_back(size() * vec3(test::random_direction(random)));
@@ -99,7 +104,8 @@ struct Scene {
 
     Scene(Random& random, int k) : shape(any_shape(random, k)) {
         const double spin = k % 5 == 0 ? 0.0 : k % 7 == 0 ? 12.0 : 1.5, far = k % 11 == 0 ? 100.0 : 4.0;
-        plane = Plane{static_cast<float>(random.range(0.3, 3.0)) * vec3(test::random_direction(random)), static_cast<float>(random.range(-2.0, 2.0))};
+        plane = Plane{static_cast<float>(random.range(0.3, 3.0)) * vec3(test::random_direction(random)),
+                      static_cast<float>(random.range(-2.0, 2.0))};
         plane_motion.start = {random.range(0.0, 3.0) * test::random_direction(random), test::random_rotation(random)};
         plane_motion.rotation = (k % 13 == 0 ? 15.0 : random.range(0.0, 2.5)) * test::random_direction(random);
         plane_motion.pivot = random.range(0.0, k % 3 == 0 ? 5.0 : 0.5) * test::random_direction(random);
@@ -109,7 +115,8 @@ struct Scene {
         motion.pivot = 0.1 * test::random_direction(random);
         motion.translation = random.range(0.0, 3.0) * test::random_direction(random);
         // In front of it, but for a few.
-        const dvec3 up(direction_at(plane_motion, rvec3(glm::normalize(dvec3(plane.normal))), 0.0)), beside = far * random.unit() * test::random_direction(random);
+        const dvec3 up(direction_at(plane_motion, rvec3(glm::normalize(dvec3(plane.normal))), 0.0)),
+            beside = far * random.unit() * test::random_direction(random);
         motion.start.position = plane_motion.start.position + beside;
         const double above = static_cast<double>(height(shape, motion, plane, plane_motion, 0.0));
         const double wanted = k % 17 == 0 ? random.range(-0.3, 0.1) : random.range(0.001, 0.5 + 0.5 * far);
@@ -118,7 +125,8 @@ struct Scene {
     [[nodiscard]] Real height_at(double t) const { return height(shape, motion, plane, plane_motion, t); }
     [[nodiscard]] double rounding() const {
         const double size = glm::length(motion.start.position - plane_motion.start.position) + glm::length(motion.translation) +
-                            glm::length(plane_motion.translation) + glm::length(plane_motion.pivot) + 3.0 * (1.0 + std::abs(static_cast<double>(plane.offset)) / 0.3);
+                            glm::length(plane_motion.translation) + glm::length(plane_motion.pivot) +
+                            3.0 * (1.0 + std::abs(static_cast<double>(plane.offset)) / 0.3);
         return 1.4e-14 * (1.0 + glm::length(motion.rotation) + glm::length(plane_motion.rotation)) * size;
     }
 };
@@ -160,7 +168,8 @@ void expect_kept(double separation, std::uint64_t seed) {
     EXPECT_GT(separated, 500);
     EXPECT_GT(overlapping, separation > 0.0 ? 20 : 50);
     EXPECT_LT(checks, 8 * kCases);
-    std::printf("turning planes: %.2f checks, %d touching, %d separated, %d overlapping\n", 1.0 * checks / kCases, touching, separated, overlapping);
+    std::printf("turning planes: %.2f checks, %d touching, %d separated, %d overlapping\n", 1.0 * checks / kCases, touching, separated,
+                overlapping);
 }
 
 TEST(TurningPlane, NoShapeComesToItBeforeTheTime) { expect_kept(0.0, 0x7a1); }
