@@ -101,7 +101,7 @@ BroadphasePlan World::Impl::plan_broadphase(double dt) const {
         if (!dynamics::is_usable(arrays.states[next.by_slot[slot].body], dt)) dynamics::drop_proxy(next, slot);
     }
     SerialExecutor alone;
-    dynamics::update_swept_bounds(next, arrays, {def.gravity, dt}, calm_share(), alone);
+    dynamics::update_swept_bounds(next, arrays, {def.gravity, dt}, calm_rule(), alone);
     dynamics::note_listed(next);
     const auto count = static_cast<std::size_t>(std::count(next.listed.begin(), next.listed.end(), 1));
     if (count == 0) return {BroadphaseMethod::Automatic, "not used: no shape has a box"};

@@ -33,12 +33,14 @@ bool World::Impl::can_join(const JointDef& joint) const {
 JointId World::create_joint(const JointDef& def) {
     if (!impl_->can_join(def)) return {};
     impl_->wake_joined(def);
+    impl_->contacts_hold = false;  // the joint may leave some out
     return impl_->joints.insert(def);
 }
 
 void World::destroy_joint(JointId joint) {
     CAROM_REQUIRE(is_alive(joint), ErrorCode::DeadId, "no such joint");
     impl_->wake_joined(joint_def(joint));
+    impl_->contacts_hold = false;
     impl_->joints.erase(joint);
 }
 
@@ -72,6 +74,7 @@ void World::set_joint(JointId joint, const JointDef& def) {
     if (!impl_->can_join(def)) return;
     impl_->wake_joined(joint_def(joint));
     impl_->wake_joined(def);
+    impl_->contacts_hold = false;
     impl_->joints.replace(joint, def);
 }
 

@@ -53,15 +53,15 @@ bool World::Impl::is_any_awake() const {
 
 void World::Impl::wake_before_step(double dt) {
     sleepers.wake_by_others(proxies, dt, arrays);
-    if (sleepers.give_back(arrays, contacts)) {
-        names.now.clear();  // the narrowphase remembers other contacts
-        contacts_hold = false;
-    }
+    if (sleepers.give_back(arrays, contacts)) note_moved_contacts();
     sleepers.sync(arrays, proxies);
 }
 
 bool World::Impl::wake_touched() {
     if (sleepers.count() == 0 || !sleepers.wake_touched(contacts, arrays)) return false;
+    if (patched) previous.take(contacts, threads());  // which have the impulses of the step before
+    taken_over = true;
+    patched = contacts_held = false;
     contacts.clear();  // they are found again
     if (sleepers.give_back(arrays, contacts)) previous.add(contacts);
     names.now.clear();
@@ -69,10 +69,16 @@ bool World::Impl::wake_touched() {
     return true;
 }
 
+// Some went to sleep or came back: the narrowphase and the solver remember others.
+void World::Impl::note_moved_contacts() {
+    names.now.clear();
+    contacts_hold = false;
+}
+
 void World::Impl::fall_asleep(double dt, StepReport& report) {
     sleepers.scale_impulses(substep_ratio(dt));  // at rest they are forces
     sleepers.watch(arrays, proxies, def.gravity, dt);
-    if (sleepers.fall_asleep(sleep_scene())) names.now.clear();
+    if (sleepers.fall_asleep(sleep_scene())) note_moved_contacts();
     report.asleep = sleepers.count();
     report.fell_asleep = sleepers.take_fallen();
     report.woken = sleepers.take_woken();
@@ -94,7 +100,7 @@ bool World::put_to_sleep(BodyId body) {
     CAROM_REQUIRE(record->type == BodyType::Dynamic, ErrorCode::WrongType, "only dynamic bodies sleep", false);
     CAROM_REQUIRE(impl_->sleepers.is_on(), ErrorCode::InvalidArgument, "WorldDef::sleep is off", false);
     const bool sleeps = impl_->sleepers.put_to_sleep(body.slot, impl_->sleep_scene());
-    impl_->names.now.clear();
+    impl_->note_moved_contacts();
     return sleeps;
 }
 

@@ -17,9 +17,6 @@ using dynamics::Role;
 namespace {
 
 constexpr std::size_t kBodyGrain = 128;
-constexpr std::size_t kMostLooked = 3;      // contacts are kept where at most one candidate in so many has to be looked at
-constexpr std::size_t kMostUnused = 64;     // manifolds, beside an eighth of those in use
-constexpr std::uint64_t kLongestKept = 64;  // steps, after which a pair is looked at in any case; a power of two
 
 void count_contacts(StepReport& report, const dynamics::ContactSet& contacts, const dynamics::ContactSolver& solver) {
     const dynamics::ContactSummary& summary = contacts.summary;
@@ -141,51 +138,6 @@ void World::Impl::quarantine_unusable(double dt, StepReport& report) {
     }
 }
 
-double World::Impl::calm_share() const {
-    const bool keeps = def.relax && census.bouncing_shapes == 0 && joints.order().empty() && sleepers.count() == 0;
-    return keeps ? 0.5 * def.contact_reuse : 0.0;
-}
-
-// Which of the candidates have to be looked at, where the contacts of the others are kept.
-bool World::Impl::choose_looked(double dt) {
-    looked.clear();
-    if (!contacts_held || calm_share() == 0.0 || dt / def.substeps != last_substep) return false;
-    const std::size_t most = candidates.size() / kMostLooked;
-    if (proxies.moved.size() * kMostLooked > proxies.by_slot.size()) return false;
-    if (contacts.manifolds.size() > kMostUnused + contacts.manifold_count() + contacts.manifold_count() / 8) return false;  // closes the ranks
-    const auto tracked = [&](std::uint32_t body) { return arrays.roles[body] == Role::Static || (solver.holds(body) && displaced[body] == 0); };
-    for (const NumberedPair& pair : candidates) {
-        const bool due = ((pair.a + pair.b + steps) & (kLongestKept - 1)) == 0;
-        const bool keeps = !due && (proxies.calm[pair.a] & proxies.calm[pair.b]) != 0 &&
-                           proxies.drift[pair.a] + proxies.drift[pair.b] <= dynamics::most_drift(proxies, pair, def.contact_reuse) &&
-                           tracked(proxies.bodies[pair.a]) && tracked(proxies.bodies[pair.b]);
-        if (keeps) continue;
-        if (looked.size() == most) return false;
-        looked.push_back(pair);
-    }
-    return true;
-}
-
-// Looks at those, and at no others.
-void World::Impl::patch_contacts(dynamics::Step& step) {
-    solver.carry_gaps(contacts.manifolds, threads());
-    const CollideCounts counts = collide(PlacedShapes{proxies.shapes, proxies.poses}, looked, threads(), collide_scratch, found_anew);
-    step.report.undecided = counts.undecided;
-    step.report.reused = candidates.size() - looked.size();
-    looked_pairs.clear();
-    for (const NumberedPair& pair : looked) looked_pairs.push_back(dynamics::contact_pair(proxies, pair));
-    const auto may_end = [&](const dynamics::ContactPair& pair) { return (proxies.calm[pair.proxy_a] & proxies.calm[pair.proxy_b]) == 0; };
-    dynamics::patch_contacts(contacts, looked_pairs, found_anew, may_end, contact_changes);
-    names.now.clear();  // the narrowphase remembers other contacts
-}
-
-// What a step that finds its contacts anew takes over of those of the step before.
-void World::Impl::take_over_contacts(dynamics::Step& step) {
-    step.run(Stage::Collide, [&] { previous.take(contacts, threads()); });
-    if (!carries) return last_manifolds.clear();  // no pair of this step will be told from one of the last
-    std::swap(contacts.manifolds, last_manifolds);
-}
-
 // What lists of a step hold beyond what it needed.
 void World::Impl::trim_lists() {
     contacts.trim();
@@ -209,7 +161,7 @@ void World::Impl::trim_lists() {
 void World::Impl::find_contacts(dynamics::Step& step, const dynamics::Motion& motion) {
     bool reuses = false;  // contacts of the step before
     bool keeps = false;   // most contacts are
-    step.run(Stage::Bounds, [&] { dynamics::update_swept_bounds(proxies, arrays, motion, calm_share(), threads()); });
+    step.run(Stage::Bounds, [&] { dynamics::update_swept_bounds(proxies, arrays, motion, calm_rule(), threads()); });
     step.run(Stage::Pairs, [&] {
         const ProxyChanges changes{proxies.boxes, proxies.filters, proxies.moved, proxies.removed};
         const std::uint64_t last = broadphase.result().number;
@@ -364,11 +316,12 @@ StepReport World::Impl::take_step(const World& world, double dt) {
     w.forget_pushes();
     step.run(Stage::Quarantine, [&] { w.quarantine_unusable(dt, step.report); });
 
+    w.contacts_hold = choices.contacts && w.calm_rule().share > 0.0 && w.pairs_complete && step.report.quarantined.empty();
     if (w.sleepers.is_on()) step.run(Stage::Sleep, [&] { w.fall_asleep(dt, step.report); });
     w.last_substep = dt / w.def.substeps;
     w.looked_for_contacts = choices.contacts;
-    w.contacts_hold = choices.contacts && w.calm_share() > 0.0 && w.pairs_complete && step.report.quarantined.empty();
     w.displaced.assign(w.arrays.roles.size(), 0);
+    if (choices.contacts && choices.restitution) w.impacts.mark_placed(w.displaced);
     if (choices.continuous) {
         for (const std::uint32_t slot : w.continuous.displaced()) w.displaced[slot] = 1;
     }

@@ -64,7 +64,7 @@ private:
     static void begin(ContactPair& pair) noexcept {
         pair.point_count = 0;
         pair.predicted = true;
-        pair.passes = false;
+        pair.passes = pair.flies = false;  // until somebody finds that it does
     }
 
     void put(ContactPair& pair, std::uint32_t m, std::uint32_t from) {
@@ -97,6 +97,7 @@ void patch_contacts(ContactSet& contacts, std::span<const ContactPair> looked, s
                     FunctionRef<bool(const ContactPair&)> may_end, ContactChanges& changes) {
     changes.clear();
     changes.pairs.clear();
+    contacts.flying.clear();
     Patch patch(contacts, found, changes);
     std::vector<ContactPair>& pairs = contacts.pairs;
     std::size_t p = 0, kept = 0;  // pairs of the set that are done, and of these the first that is still to be copied

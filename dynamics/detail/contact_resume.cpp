@@ -71,6 +71,7 @@ void ContactSolver::note_places() {
             }
         }
     }
+    for (const std::uint32_t slot : shared_) ++contacts_of_row_[static_cast<std::size_t>(row_of_slot_[slot])];  // others hold it without any
     grown_ = room_made_ = 0;
     more_points_.resize(bundles_.size() / kMostGrown);
     for (const ContactRows& rows : contact_rows_) {
@@ -129,13 +130,16 @@ void ContactSolver::free_lane(std::uint32_t manifold) {
 }
 
 bool ContactSolver::goes_on(std::span<const unsigned char> held, const SolverSettings& settings) const {
-    return is_whole_ && shared_.empty() && settings == settings_ && std::ranges::find(held, 1) == held.end();
+    return is_whole_ && settings == settings_ && std::ranges::find(held, 1) == held.end();
 }
 
 bool ContactSolver::resume(const ContactSet& contacts, const ContactChanges& changes, std::span<const unsigned char> held, const ProxySet& proxies,
                            const BodyArrays& bodies, const SolverSettings& settings, Executor& executor) {
     if (!goes_on(held, settings)) return false;
     is_whole_ = false;
+    const auto flies = [&](std::uint32_t manifold) { return contacts.pairs[contacts.manifolds[manifold].pair].flies; };
+    const auto is_solved = [&](std::uint32_t manifold) { return contacts.pairs[contacts.manifolds[manifold].pair].is_solved(); };
+    const auto is_in_lane = [&](std::uint32_t manifold) { return manifold < places_of_.size() && places_of_[manifold] != kNowhere; };
     const auto count = [&](std::uint32_t manifold, std::uint32_t change) {
         for (const std::int32_t row : {contact_rows_[manifold].a, contact_rows_[manifold].b}) {
             if (row < rows_.movable) contacts_of_row_[static_cast<std::size_t>(row)] += change;
@@ -152,6 +156,12 @@ bool ContactSolver::resume(const ContactSet& contacts, const ContactChanges& cha
     };
     if (!std::ranges::all_of(changes.replaced, has_rows) || !std::ranges::all_of(changes.added, has_rows)) return false;
     if (!std::exchange(places_known_, true)) note_places();
+    for (const std::uint32_t p : contacts.flying) {  // what begins to fly loses its row
+        const ContactPair& pair = contacts.pairs[p];
+        for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
+            if (is_in_lane(m)) return false;
+        }
+    }
     point_count_ = contacts.summary.points;
     begin_rows(proxies, bodies, executor);
     fill_changed_rows(contacts, changes, proxies, bodies);
@@ -159,14 +169,19 @@ bool ContactSolver::resume(const ContactSet& contacts, const ContactChanges& cha
     moves_.clear();
     places_of_.resize(contacts.manifolds.size(), kNowhere);
     for (const std::uint32_t m : changes.replaced) {
+        if (flies(m)) continue;
+        if (!is_in_lane(m) && is_solved(m)) return false;  // it flew or passed, and nothing held it
+        if (!is_in_lane(m)) continue;
         move_up(m);
         moves_.push_back({m, places_of_[m]});
     }
     for (const std::uint32_t m : changes.removed) {
+        if (!is_in_lane(m)) continue;
         count(m, ~std::uint32_t{0});
         free_lane(m);
     }
     for (const std::uint32_t m : changes.added) {
+        if (flies(m)) continue;
         count(m, 1);
         if (!take_lane(m)) return false;
         moves_.push_back({m, places_of_[m]});

@@ -119,6 +119,7 @@ void ContactSet::trim() {
     trim_kept(impulses);
     trim_kept(order);
     trim_scratch(firsts);
+    trim_scratch(flying);
 }
 
 void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t candidate)> make, const CarriedContacts& before, float scale,
@@ -133,6 +134,7 @@ void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t 
         carry_part(contacts, before, scale, begin, end);  // while they are in the cache
     });
     contacts.order.clear();
+    contacts.flying.clear();
     contacts.summary = {};
     for (const ContactSummary& part : contacts.parts) add(contacts.summary, part);
     finish(contacts.summary);

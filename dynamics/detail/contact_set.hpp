@@ -53,6 +53,7 @@ struct ContactSet {
     std::vector<std::uint32_t> order;         ///< of the manifolds in use, in the order of the pairs, where some lie elsewhere or are unused (kNoPair)
     std::vector<ManifoldImpulses> impulses;   ///< one for each manifold
     ContactSummary summary;                   ///< of the manifolds
+    std::vector<std::uint32_t> flying;        ///< pairs that fly
     std::vector<std::uint32_t> firsts;        ///< of each pair its first manifold, and the end: while pairs are made
     std::vector<std::uint32_t> first_counts;  ///< of each part of the manifolds, likewise
     std::vector<ContactSummary> parts;        ///< of the summary, while it is made
@@ -68,6 +69,7 @@ struct ContactSet {
 
     void clear() noexcept {
         summary = {};
+        flying.clear();
         order.clear();
         pairs.clear();
         manifolds.clear();

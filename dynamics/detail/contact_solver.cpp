@@ -58,6 +58,12 @@ void ContactSolver::begin_rows(const ProxySet& proxies, const BodyArrays& bodies
     round_.list(proxies, bodies, row_of_slot_, is_left_out_, settings_.dt);
 }
 
+void ContactSolver::share(std::span<const std::uint32_t> slots) {
+    if (std::ranges::equal(slots, shared_)) return;
+    is_whole_ = false;
+    shared_.assign(slots.begin(), slots.end());
+}
+
 void ContactSolver::prepare(const ContactSet& contacts, std::span<const unsigned char> held, const ProxySet& proxies,
                             const BodyArrays& bodies, const SolverSettings& settings, Executor& executor) {
     settings_ = settings;
@@ -86,7 +92,7 @@ void ContactSolver::prepare(const ContactSet& contacts, std::span<const unsigned
         if (deep > 0) std::atomic_ref(deep_count_).fetch_add(deep, std::memory_order_relaxed);
     });
     settings.resists ? rolling_.list({contacts, proxies, rows_, bundles_}, h) : rolling_.clear();
-    is_whole_ = !settings.resists && shared_.empty() && coloring_.overflow_count() == 0 && std::ranges::find(held, 1) == held.end();
+    is_whole_ = !settings.resists && coloring_.overflow_count() == 0 && std::ranges::find(held, 1) == held.end();
     places_known_ = false;
 }
 

@@ -56,8 +56,8 @@ public:
     [[nodiscard]] bool resume(const ContactSet& contacts, const ContactChanges& changes, std::span<const unsigned char> held, const ProxySet& proxies,
                               const BodyArrays& bodies, const SolverSettings& settings, Executor& executor);
 
-    /// Slots of dynamic bodies that prepare() takes in whether they have contacts or not: others work on their rows too.
-    void share(std::span<const std::uint32_t> slots) { shared_.assign(slots.begin(), slots.end()); }
+    /// Slots of dynamic bodies that prepare() takes in whether they have contacts or not: others work on their rows too. resume() needs those of the step before.
+    void share(std::span<const std::uint32_t> slots);
     /// The row of a body that holds(), between passes.
     [[nodiscard]] SolverBody& body(std::uint32_t slot) noexcept { return rows_.bodies[static_cast<std::size_t>(row_of_slot_[slot])]; }
     [[nodiscard]] const SolverBody& body(std::uint32_t slot) const noexcept { return rows_.bodies[static_cast<std::size_t>(row_of_slot_[slot])]; }

@@ -17,7 +17,6 @@ constexpr double kTouchShare = 1e-5;      // of the smaller shape's smallest ext
 constexpr double kStillShare = 1e-9;      // of the fastest body's speed
 constexpr double kMostMissed = 8.0;       // steps that an impact may lie back
 constexpr std::int64_t kLeastBudget = 4096, kBudgetPerPoint = 32;  // 0.1 to 0.4 us each
-constexpr double kFreeFall = 2.0;         // times the speed that a step of gravity brings: slower is no impact
 
 constexpr auto comes_later = [](const auto& x, const auto& y) noexcept { return x.time != y.time ? x.time > y.time : x.bouncer > y.bouncer; };
 
@@ -79,7 +78,7 @@ void Impacts::list(const ContactSet& contacts, const ProxySet& proxies, const Bo
     bouncers_.clear();
     events_.clear();
     for (const ContactPair& pair : contacts.pairs) {
-        if (pair.passes) continue;
+        if (pair.passes || (proxies.bounces[pair.proxy_a] | proxies.bounces[pair.proxy_b]) == 0) continue;
         const Proxy& a = proxies.by_slot[pair.proxy_a];
         const Proxy& b = proxies.by_slot[pair.proxy_b];
         for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
@@ -95,14 +94,16 @@ void Impacts::list(const ContactSet& contacts, const ProxySet& proxies, const Bo
 }
 
 // What pushed a body in the step before holds it up in this one: gravity has no hold on it.
-void Impacts::note_support(const ContactSet& contacts) {
-    for (std::size_t m = 0; m < contacts.manifolds.size(); ++m) {
-        const ContactPair& pair = contacts.pairs[contacts.manifolds[m].pair];
+void Impacts::note_support(const ContactSet& contacts) noexcept {
+    for (const ContactPair& pair : contacts.pairs) {
+        const std::uint32_t a = flyer_of_slot_[pair.body_a.slot], b = flyer_of_slot_[pair.body_b.slot];
+        if (a == kNone && b == kNone) continue;
         bool pushes = false;
-        for (std::size_t k = 0; k < contacts.manifolds[m].count; ++k) pushes |= contacts.impulses[m][k].normal > 0.0f;
-        if (!pushes) continue;
-        for (const std::uint32_t slot : {pair.body_a.slot, pair.body_b.slot}) {
-            if (flyer_of_slot_[slot] != kNone) flyers_[flyer_of_slot_[slot]].pull = dvec3{0.0};
+        for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
+            for (std::size_t k = 0; k < contacts.manifolds[m].count; ++k) pushes |= contacts.impulses[m][k].normal > 0.0f;
+        }
+        for (const std::uint32_t flyer : {a, b}) {
+            if (pushes && flyer != kNone) flyers_[flyer].pull = dvec3{0.0};
         }
     }
 }
@@ -263,8 +264,10 @@ void Impacts::mark_flying(ContactSet& contacts, const BodyArrays& bodies, std::s
             hold(bouncer.b);
         }
     }
-    for (const ContactPair& pair : contacts.pairs) {
+    for (std::uint32_t p = 0; p < contacts.pairs.size(); ++p) {
+        const ContactPair& pair = contacts.pairs[p];
         if (!pair.flies) continue;
+        contacts.flying.push_back(p);
         for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) contacts.impulses[m] = {};
     }
 }
@@ -273,6 +276,7 @@ void Impacts::run(ContactSet& contacts, const ProxySet& proxies, BodyArrays& bod
     gravity_ = motion.gravity;
     dt_ = motion.dt;
     count_ = left_ = 0;
+    contacts.flying.clear();
     list(contacts, proxies, bodies);
     if (bouncers_.empty()) return;
     note_support(contacts);
@@ -284,7 +288,7 @@ void Impacts::run(ContactSet& contacts, const ProxySet& proxies, BodyArrays& bod
         if (flyer.dynamic) pull = std::max(pull, glm::length(bodies.acceleration(flyer.slot, gravity_)));
     }
     fastest_ += pull * dt_;
-    slow_ = std::max(kFreeFall * pull * dt_, kStillShare * fastest_);
+    slow_ = std::max(kSlowestImpact * pull * dt_, kStillShare * fastest_);
     for (std::uint32_t i = 0; i < bouncers_.size(); ++i) push_event(i, 0.0);
     budget_ = kLeastBudget;
     for (const Bouncer& bouncer : bouncers_) budget_ += kBudgetPerPoint * bouncer.count;
@@ -295,6 +299,12 @@ void Impacts::run(ContactSet& contacts, const ProxySet& proxies, BodyArrays& bod
         bodies.states[flyer.slot].spin = flyer.spin;
     }
     mark_flying(contacts, bodies, jointed);
+}
+
+void Impacts::mark_placed(std::span<unsigned char> by_slot) const noexcept {
+    for (const Flyer& flyer : flyers_) {
+        if (flyer.hit) by_slot[flyer.slot] = 1;
+    }
 }
 
 void Impacts::place(BodyArrays& bodies) const {

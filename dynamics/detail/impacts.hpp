@@ -20,6 +20,9 @@
 
 namespace carom::dynamics {
 
+/// Slower than this, over what gravity brings about in a step, is no impact.
+inline constexpr double kSlowestImpact = 2.0;
+
 /// Contacts that bounce, in double, on the paths that their bodies take by themselves over the step.
 ///
 /// Impacts come in the order of their times. At each, all points that touch and approach at once form one problem: the least impulses that
@@ -34,10 +37,12 @@ namespace carom::dynamics {
 /// Slower than twice what gravity brings about in a step is no impact: the solver's contacts take it up.
 class Impacts {
 public:
-    /// Gives the bodies the velocities after their impacts. Marks ContactPair::flies where the two only pass or bounce off each other, and nothing else
+    /// Gives the bodies the velocities after their impacts. Marks ContactPair::flies, and lists in ContactSet::flying, where the two only pass or bounce off each other, and nothing else
     /// holds either of them: they are not the solver's.
     /// @param jointed  by slot: 1 for bodies that joints hold; empty where there are none.
     void run(ContactSet& contacts, const ProxySet& proxies, BodyArrays& bodies, const Motion& motion, std::span<const unsigned char> jointed);
+    /// Marks the bodies that place() moves, by slot.
+    void mark_placed(std::span<unsigned char> by_slot) const noexcept;
     /// Shifts and turns the bodies that had impacts.
     void place(BodyArrays& bodies) const;
 
@@ -96,7 +101,7 @@ private:
     void list(const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies);
     [[nodiscard]] Bouncer make_bouncer(const Manifold& manifold, const ContactPair& pair, const ProxySet& proxies, const BodyArrays& bodies);
     std::uint32_t flyer_of(std::uint32_t slot, const BodyArrays& bodies);
-    void note_support(const ContactSet& contacts);
+    void note_support(const ContactSet& contacts) noexcept;
     void link_flyers();
 
     /// Of two spheres: from centre to centre.

@@ -13,9 +13,6 @@ namespace carom::dynamics {
 namespace {
 
 constexpr std::size_t kGrain = 256;
-constexpr std::size_t kPairGrain = 1024;
-constexpr std::uint32_t kSlotsOfAPart = 256, kSlotsWorthSharing = 2048;
-constexpr double kMarginShare = 0.25;  // of the smallest extent
 constexpr double kCurvedFirmness = 0.25;
 constexpr double kLeastStay = 0.5;     // what will be out of its room in less than two steps gets none
 
@@ -55,8 +52,6 @@ bool is_curved(const Shape& shape) {
     }
 }
 
-std::uint64_t pack(std::uint32_t high, std::uint32_t low) { return (std::uint64_t{high} << 32) | low; }
-
 /// How high over the half-space's surface the box's corner is that lies deepest, less `motion`.
 double gap_over(const dvec3& origin, const FloatAabb& box, const Pose& pose, const Plane& plane, double motion) {
     const dvec3 normal = rotate(pose.orientation, dvec3{plane.normal});
@@ -66,9 +61,6 @@ double gap_over(const dvec3& origin, const FloatAabb& box, const Pose& pose, con
                        normal.z > 0.0 ? lower.z : upper.z};
     return glm::dot(corner - pose.position, normal) - (static_cast<double>(plane.offset) + motion);
 }
-
-/// Whether a box stays as it is until it is stale.
-bool lies_still(Role role) { return role == Role::Static || role == Role::Asleep; }
 
 /// Chooses the origin where there is none, or where the dynamic bodies have gone far from it; then every box is stale.
 void keep_origin_near(ProxySet& set, const BodyArrays& bodies) {
@@ -94,26 +86,35 @@ double turning_reach(const ProxySet& set, const BodyArrays& bodies, std::uint32_
     return alike ? 0.0 : set.by_slot[i].reach;
 }
 
+/// How fast a point of the shape may move [m/s].
+double speed_of(const ProxySet& set, const BodyArrays& bodies, std::uint32_t i) {
+    const BodyState& state = bodies.states[set.bodies[i]];
+    return glm::length(state.velocity) + turning_reach(set, bodies, i) * glm::length(state.spin);
+}
+
+/// How far what is calm may come in a step [m]; the other may do as much. @param pull  what forces do in the step [m]
+double most_way(double pull, const CalmRule& rule) { return std::isinf(rule.most_closing) ? rule.most_closing : 0.5 * rule.most_closing * pull; }
+
 /// Of what has a box with room: whether it stays in it through the step. Then it has its pose, drift and motion.
-bool stays(ProxySet& set, std::uint32_t i, const BodyArrays& bodies, const Motion& motion) {
+bool stays(ProxySet& set, std::uint32_t i, const BodyArrays& bodies, const Motion& motion, const CalmRule& rule) {
     const Anchor& anchor = set.anchors[i];
     if (anchor.room < 0.0) return false;
     const Proxy& proxy = set.by_slot[i];
     const BodyState& state = bodies.states[proxy.body];
     const dquat turn = state.pose.orientation * glm::conjugate(anchor.orientation);
     const double chord = 2.0 * glm::length(dvec3{turn.x, turn.y, turn.z});  // of a point one metre from the centre
-    const double reach = turning_reach(set, bodies, i);
-    const double drift = glm::length(state.pose.position - anchor.position) + reach * chord;
-    const double way = (glm::length(state.velocity) + reach * glm::length(state.spin)) * motion.dt;
-    if (!(drift + way <= anchor.room && pull_of(motion_of(bodies, proxy.body, motion)) <= anchor.pull)) return false;
+    const double drift = glm::length(state.pose.position - anchor.position) + turning_reach(set, bodies, i) * chord;
+    const double way = speed_of(set, bodies, i) * motion.dt, pull = pull_of(motion_of(bodies, proxy.body, motion));
+    if (!(drift + way <= anchor.room && pull <= anchor.pull && way <= most_way(pull, rule))) return false;
     set.poses[i] = state.pose * proxy.local;
     set.drift[i] = drift;
     set.stay[i] = anchor.room + drift;
     set.motion[i] = set.stay[i] + anchor.pull;
+    set.way[i] = way + pull;
     return true;
 }
 
-void find_calm(ProxySet& set, const BodyArrays& bodies, const Motion& motion, bool any_room, Executor& executor) {
+void find_calm(ProxySet& set, const BodyArrays& bodies, const Motion& motion, const CalmRule& rule, Executor& executor) {
     executor.parallel_for(set.by_slot.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t slot = begin; slot < end; ++slot) {
             const auto i = static_cast<std::uint32_t>(slot);
@@ -121,17 +122,17 @@ void find_calm(ProxySet& set, const BodyArrays& bodies, const Motion& motion, bo
             set.drift[i] = 0.0;
             if (set.kinds[i] == ProxyKind::None || set.stale[i] != 0) continue;
             const bool still = lies_still(bodies.roles[set.bodies[i]]);
-            set.calm[i] = still || (any_room && set.kinds[i] == ProxyKind::Bounded && stays(set, i, bodies, motion)) ? 1 : 0;
+            set.calm[i] = still || (rule.share > 0.0 && set.kinds[i] == ProxyKind::Bounded && stays(set, i, bodies, motion, rule)) ? 1 : 0;
         }
     });
 }
 
 /// Whether a shape moves so little that its box gets room, and how much [m].
-double room_for(const ProxySet& set, const BodyArrays& bodies, std::uint32_t i, double share, double dt) {
-    const BodyState& state = bodies.states[set.bodies[i]];
-    const double room = share * set.extents[i] * set.firmness[i];
+double room_for(const ProxySet& set, const BodyArrays& bodies, std::uint32_t i, double pull, double dt, const CalmRule& rule) {
+    const double room = rule.share * set.extents[i] * set.firmness[i];
     if (!std::isfinite(room)) return -1.0;  // the surface of a kinematic body, which others may touch anywhere
-    return (glm::length(state.velocity) + turning_reach(set, bodies, i) * glm::length(state.spin)) * dt <= kLeastStay * room ? room : -1.0;
+    const double way = speed_of(set, bodies, i) * dt;
+    return way <= kLeastStay * room && way <= most_way(pull, rule) ? room : -1.0;
 }
 
 bool is_round(const Proxy& proxy) {
@@ -182,11 +183,13 @@ void put_proxy(ProxySet& set, Proxy proxy, const ProxyFilter& filter) {
         set.listed.resize(size, 0);
         set.versions.resize(size, 0);
         set.boxlike.resize(size, 0);
+        set.bounces.resize(size, 0);
         set.firmness.resize(size, 1.0);
         set.anchors.resize(size);
         set.calm.resize(size, 0);
         set.drift.resize(size, 0.0);
         set.stay.resize(size, 0.0);
+        set.way.resize(size, 0.0);
     }
     const bool bounded = is_bounded(proxy.shape);
     if (!bounded) set.planes.insert(std::lower_bound(set.planes.begin(), set.planes.end(), slot), slot);
@@ -195,6 +198,7 @@ void put_proxy(ProxySet& set, Proxy proxy, const ProxyFilter& filter) {
     set.stale[slot] = 1;
     ++set.versions[slot];
     set.boxlike[slot] = type_of(proxy.shape) == ShapeType::Box ? 1 : 0;
+    set.bounces[slot] = bounces(proxy.shape, proxy.surface.restitution) ? 1 : 0;
     set.bodies[slot] = proxy.body;
     const bool is_ball = type_of(proxy.shape) == ShapeType::Sphere && proxy.local.position == dvec3{0.0};
     set.surfaces[slot] = {proxy.surface, compound_of(proxy.shape), is_ball};
@@ -218,21 +222,17 @@ double plane_motion(const BodyState& plane, const dvec3& point, double reach, do
     return glm::length(plane.velocity) * dt + turn * (glm::length(point - plane.pose.position) + reach);
 }
 
-namespace {
-
 double motion_of_plane(const ProxySet& set, const BodyArrays& bodies, std::uint32_t plane, std::uint32_t other, double dt) noexcept {
     const dvec3& point = bodies.states[set.bodies[other]].pose.position;
     return plane_motion(bodies.states[set.bodies[plane]], point, set.by_slot[other].reach, dt);
 }
-
-}  // namespace
 
 double gap_over_plane(const ProxySet& set, const BodyArrays& bodies, std::uint32_t bounded, std::uint32_t plane, double dt) noexcept {
     const Plane& surface = std::get<Plane>(set.by_slot[plane].shape);
     return gap_over(set.origin, set.boxes[bounded], set.poses[plane], surface, motion_of_plane(set, bodies, plane, bounded, dt));
 }
 
-void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& motion, double calm_share, Executor& executor) {
+void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& motion, const CalmRule& rule, Executor& executor) {
     if (set.changed) {
         keep_origin_near(set, bodies);
         for (std::size_t i = 0; i < set.by_slot.size(); ++i) {
@@ -241,7 +241,7 @@ void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& 
         list_rollers(set, bodies);
     }
     set.changed = false;
-    find_calm(set, bodies, motion, calm_share > 0.0, executor);
+    find_calm(set, bodies, motion, rule, executor);
     list_changes(set);
     executor.parallel_for(set.moved.size(), kGrain, [&](std::size_t begin, std::size_t end) {
         std::array<SweptBox, kBundleWidth> boxes;
@@ -252,14 +252,11 @@ void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& 
             const BodyState& state = bodies.states[proxy.body];
             const bool is_static = lies_still(bodies.roles[proxy.body]);
             const double pull = pull_of(motion_of(bodies, proxy.body, motion));
-            const double room = calm_share > 0.0 && !is_static ? room_for(set, bodies, i, calm_share, motion.dt) : -1.0;
+            const double room = rule.share > 0.0 && !is_static ? room_for(set, bodies, i, pull, motion.dt, rule) : -1.0;
             const bool calms = room > 0.0;
-            if (calms) {
-                set.anchors[i] = {state.pose.position, state.pose.orientation, room, pull};
-            } else {
-                set.anchors[i].room = -1.0;
-            }
+            set.anchors[i] = {state.pose.position, state.pose.orientation, calms ? room : -1.0, pull};
             set.stay[i] = calms ? room : 0.0;
+            set.way[i] = calms ? speed_of(set, bodies, i) * motion.dt + pull : 0.0;
             const Box* const box = std::get_if<Box>(&proxy.shape);
             if (box == nullptr || is_static) {
                 sweep_one(set, i, state, is_static, motion.dt, calms ? room + pull : play(proxy, state, pull, motion.dt));
@@ -286,104 +283,6 @@ void note_listed(ProxySet& set) noexcept {
         set.listed[slot] = 1;
         set.stale[slot] = 0;
     }
-}
-
-namespace {
-
-/// Of the slots [first, last).
-void list_candidates_of(const ProxySet& set, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt, std::uint32_t first,
-                        std::uint32_t last, std::vector<NumberedPair>& out) {
-    out.clear();
-    const auto list = [&](std::uint32_t a, std::uint32_t b, double motion) {
-        const double closing = set.motion[a] + motion, most = kMarginShare * std::min(set.extents[a], set.extents[b]);
-        const double stay = set.stay[a] + set.stay[b];  // until they are looked at again; the rest is of this step
-        out.push_back({a, b, static_cast<float>(stay + std::min(closing - stay, most))});
-    };
-    auto next = std::lower_bound(found.begin(), found.end(), first, [](const ProxyPair& pair, std::uint32_t slot) { return pair.a < slot; });
-    for (std::uint32_t i = first; i < last; ++i) {
-        if (set.kinds[i] != ProxyKind::Bounded) continue;
-        for (; next != found.end() && next->a == i; ++next) {
-            if (set.bodies[i] != set.bodies[next->b]) list(i, next->b, set.motion[next->b]);
-        }
-        if (!set.filters[i].movable) continue;
-        for (const std::uint32_t p : set.planes) {
-            if (!filters_agree(set.filters[i], set.filters[p])) continue;
-            if (gap_over_plane(set, bodies, i, p, dt) <= 0.0) list(i, p, motion_of_plane(set, bodies, p, i, dt));
-        }
-    }
-}
-
-}  // namespace
-
-void list_candidates(const ProxySet& set, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt, Executor& executor,
-                     CandidateParts& parts, std::vector<NumberedPair>& out) {
-    const auto slots = static_cast<std::uint32_t>(set.by_slot.size());
-    if (executor.thread_count() == 1 || slots < kSlotsWorthSharing) return list_candidates_of(set, bodies, found, dt, 0, slots, out);
-    const std::size_t count = (slots + kSlotsOfAPart - 1) / kSlotsOfAPart;
-    if (parts.size() < count) parts.resize(count);
-    executor.parallel_for(count, 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) {
-            const auto first = static_cast<std::uint32_t>(k * kSlotsOfAPart);
-            list_candidates_of(set, bodies, found, dt, first, std::min(first + kSlotsOfAPart, slots), parts[k].pairs);
-        }
-    });
-    std::size_t size = 0;
-    for (std::size_t k = 0; k < count; ++k) size += parts[k].pairs.size();
-    out.resize(size);
-    executor.parallel_for(count, 1, [&](std::size_t begin, std::size_t end) {
-        std::size_t at = 0;
-        for (std::size_t k = 0; k < begin; ++k) at += parts[k].pairs.size();
-        for (std::size_t k = begin; k < end; ++k) {
-            std::copy(parts[k].pairs.begin(), parts[k].pairs.end(), out.begin() + static_cast<std::ptrdiff_t>(at));
-            at += parts[k].pairs.size();
-        }
-    });
-}
-
-namespace {
-
-std::uint64_t key_of(const ProxySet& set, const NumberedPair& candidate) noexcept {
-    const std::uint32_t plane_bit = set.kinds[candidate.b] == ProxyKind::Plane ? 0x80000000u : 0u;  // planes sort after the rest
-    return pack(candidate.a, candidate.b | plane_bit);
-}
-
-}  // namespace
-
-bool name_candidates(const ProxySet& set, double share, std::span<NumberedPair> candidates, CandidateNames& names, Executor& executor) {
-    const auto two_boxes = [&](const NumberedPair& pair) { return (set.boxlike[pair.a] & set.boxlike[pair.b]) != 0; };
-    if (std::all_of(candidates.begin(), candidates.end(), two_boxes)) {
-        names.now.clear();
-        return false;
-    }
-    std::swap(names.before, names.now);
-    names.now.resize(candidates.size());
-    const std::vector<CandidateName>& before = names.before;
-    executor.parallel_for(candidates.size(), kPairGrain, [&](std::size_t begin, std::size_t end) {
-        auto old = std::ranges::lower_bound(before, key_of(set, candidates[begin]), {}, &CandidateName::key);
-        for (std::size_t k = begin; k < end; ++k) {
-            NumberedPair& pair = candidates[k];
-            const CandidateName name{key_of(set, pair), set.versions[pair.a], set.versions[pair.b]};
-            names.now[k] = name;
-            pair.slack = two_boxes(pair) ? 0.0f : static_cast<float>(share * std::min(set.extents[pair.a], set.extents[pair.b]));
-            while (old != before.end() && old->key < name.key) ++old;
-            const bool same = old != before.end() && old->key == name.key && old->version_a == name.version_a && old->version_b == name.version_b;
-            pair.last = same ? static_cast<std::uint32_t>(old - before.begin()) : kNewPair;
-        }
-    });
-    return true;
-}
-
-ContactPair contact_pair(const ProxySet& set, const NumberedPair& candidate) noexcept {
-    const ProxyOwner &first = set.owners[candidate.a], &second = set.owners[candidate.b];
-    ContactPair pair;
-    pair.key = key_of(set, candidate);
-    pair.shape_a = first.shape;
-    pair.shape_b = second.shape;
-    pair.body_a = first.body;
-    pair.body_b = second.body;
-    pair.proxy_a = candidate.a;
-    pair.proxy_b = candidate.b;
-    return pair;
 }
 
 }  // namespace carom::dynamics

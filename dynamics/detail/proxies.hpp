@@ -16,6 +16,7 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <limits>
 #include <span>
 #include <vector>
 
@@ -26,6 +27,9 @@ enum class Role : unsigned char { Absent, Static, Kinematic, Dynamic, Asleep };
 
 /// Whether a body has mass, awake or not.
 [[nodiscard]] constexpr bool has_mass(Role role) noexcept { return role == Role::Dynamic || role == Role::Asleep; }
+
+/// Whether a box stays as it is until it is stale.
+[[nodiscard]] constexpr bool lies_still(Role role) noexcept { return role == Role::Static || role == Role::Asleep; }
 
 /// @return Absent for a value that is no BodyType.
 [[nodiscard]] constexpr Role role_of(BodyType type) noexcept {
@@ -104,11 +108,13 @@ struct ProxySet {
     std::vector<unsigned char> listed;    ///< 1: the broadphase has a box of this slot
     std::vector<std::uint32_t> versions;  ///< how many proxies have stood there
     std::vector<unsigned char> boxlike;   ///< 1: a box, whose contacts with others are found anew as fast as they are carried along
+    std::vector<unsigned char> bounces;   ///< 1: contacts with it may have restitution; that of two shapes that are 0 here has none
     std::vector<double> firmness;         ///< 1: faces, edges and corners; less where the shape is curved, and the normal of a contact turns as it moves
     std::vector<Anchor> anchors;
     std::vector<unsigned char> calm;      ///< 1: the box is the one of the update before, and holds the shape through this step as well
     std::vector<double> drift;            ///< of what is calm: how far a point may have come from where it was at its anchor [m]; 0 of what lies still
     std::vector<double> stay;             ///< of what has room: how far it may come before it is looked at again, less what forces do in a step; else 0 [m]
+    std::vector<double> way;              ///< of what has room: how far any point may move in the step, which is less than `motion` [m]
     std::vector<std::uint32_t> rollers;   ///< slots of capsules, cylinders and cones about an axis through the centre of mass that are all their body has; as of the last update
     std::vector<std::uint32_t> planes;    ///< slots of the unbounded ones, ascending: the side list
     std::vector<std::uint32_t> moved;     ///< slots whose boxes the last update made anew, ascending
@@ -131,6 +137,12 @@ struct Motion {
     double dt = 0.0;
 };
 
+/// What is calm: it moves little, and its box is made for longer than a step.
+struct CalmRule {
+    double share = 0.0;  ///< of its smallest extent, how far it may come until the box is made anew; 0: nothing is calm but what lies still
+    double most_closing = std::numeric_limits<double>::infinity();  ///< how fast two of the calm may close in on each other, over what pulls a body in a step
+};
+
 /// Boxes around the predicted motion: v dt along the velocity, |g| dt² + r min(|w| dt, 2) all round.
 /// Fills in boxes, poses, shapes, motion, moved and removed: the boxes of what moves, came or was changed, and no others.
 ///
@@ -138,10 +150,9 @@ struct Motion {
 /// when something came or went and the middle has left the origin by more than the size of the whole scene: until then floats round as
 /// they would for a scene twice as large.
 ///
-/// What moves in a step by less than `calm_share` of its smallest extent gets a box with so much room that it need not be made anew, nor given to
+/// What moves in a step by less than a share of its smallest extent gets a box with so much room that it need not be made anew, nor given to
 /// the broadphase, until a point has come that far from where it was: `calm`. Its `motion` says how far it may come from where it is by then.
-/// @param calm_share  0: nothing is calm but what lies still
-void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& motion, double calm_share, Executor& executor);
+void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& motion, const CalmRule& rule, Executor& executor);
 
 /// Notes that the broadphase took over `moved` and `removed`, or that it did not: then the next update lists them again.
 void note_listed(ProxySet& set) noexcept;
@@ -149,6 +160,9 @@ void note_refused(ProxySet& set) noexcept;
 
 /// @return how far a plane's surface may come towards a body about `point` in the step, by its own motion [m].
 [[nodiscard]] double plane_motion(const BodyState& plane, const dvec3& point, double reach, double dt) noexcept;
+
+/// The same of a plane's slot, towards the body of another.
+[[nodiscard]] double motion_of_plane(const ProxySet& set, const BodyArrays& bodies, std::uint32_t plane, std::uint32_t other, double dt) noexcept;
 
 /// @return the gap between the box of a bounded slot and how far the surface of a plane may come to it in the step [m]; 0 or less makes
 /// them a pair.
@@ -163,8 +177,8 @@ using CandidateParts = std::vector<CandidatePart>;
 
 /// Joins the broadphase's pairs, sorted by (a, b), and the pairs with planes into one list, sorted by key: the candidates for the
 /// narrowphase, by slots. The margin is how far the two may close in the step, at most a quarter of the smaller shape's smallest
-/// extent: contacts predicted from farther away would stop bodies that only pass by; and beside it what those that have room may move until they are
-/// looked at again.
+/// extent: contacts predicted from farther away would stop bodies that only pass by; and beside it, where both have room or lie still, what they may move
+/// until they are looked at again. Otherwise that is in the next step.
 void list_candidates(const ProxySet& set, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt, Executor& executor,
                      CandidateParts& parts, std::vector<NumberedPair>& out);
 
@@ -186,7 +200,7 @@ struct CandidateNames {
 };
 
 /// Numbers each candidate by the same pair of the same two shapes in the step before, and gives it the slack `share` times the smaller
-/// shape's smallest extent, but for two boxes.
+/// shape's smallest extent, but for two boxes, and for what bounces and is not calm: a contact ahead of its time would slow it down.
 /// @return whether there are any but those: otherwise nothing is numbered.
 bool name_candidates(const ProxySet& set, double share, std::span<NumberedPair> candidates, CandidateNames& names, Executor& executor);
 

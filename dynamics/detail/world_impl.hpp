@@ -179,12 +179,11 @@ struct World::Impl {
     /// What wakes by the contacts found in this step. @return whether anything does: the contacts must be found again.
     [[nodiscard]] bool wake_touched();
     void fall_asleep(double dt, StepReport& report);
+    void note_moved_contacts();
     void take_over_contacts(dynamics::Step& step);
     void trim_lists();
     void find_contacts(dynamics::Step& step, const dynamics::Motion& motion);
-    /// Of its smallest extent, how far a shape may come before its contacts are looked at anew; 0 where all are in every step: then others than the
-    /// contact solver move what touches.
-    [[nodiscard]] double calm_share() const;
+    [[nodiscard]] dynamics::CalmRule calm_rule() const;
     [[nodiscard]] bool choose_looked(double dt);
     void patch_contacts(dynamics::Step& step);
     /// Marks the pairs of this step that only pass by each other.

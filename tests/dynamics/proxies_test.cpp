@@ -292,7 +292,7 @@ TEST(Proxies, AreListedAgainUntilTheBroadphaseTookThemOver) {
     proxy.id = {0, 1};
     proxy.shape = Box{};
     SerialExecutor serial;
-    const auto update = [&] { dynamics::update_swept_bounds(set, bodies, {.dt = kDt}, 0.0, serial); };
+    const auto update = [&] { dynamics::update_swept_bounds(set, bodies, {.dt = kDt}, {}, serial); };
     dynamics::put_proxy(set, proxy, {});
     for (int k = 0; k < 3; ++k) {
         update();

@@ -55,7 +55,7 @@ struct Flyer {
         proxy.id = {0, 1};
         put_proxy(proxies, proxy, {});
         SerialExecutor executor;
-        update_swept_bounds(proxies, bodies, {gravity, kDt}, 0.0, executor);
+        update_swept_bounds(proxies, bodies, {gravity, kDt}, {}, executor);
     }
     [[nodiscard]] bool stays(const BodyState& to) const { return surely_stays(proxies, 0, {from.pose, from.velocity, to, kDt}); }
     [[nodiscard]] bool is_astray(const BodyState& to) const { return strays(proxies, 0, {from.pose, from.velocity, to, kDt}); }
