@@ -16,7 +16,8 @@ constexpr std::uint64_t kLongestKept = 64;  // steps, after which a pair is look
 }  // namespace
 
 dynamics::CalmRule World::Impl::calm_rule() const {
-    return {def.relax ? 0.5 * def.contact_reuse : 0.0, census.bouncing_shapes > 0 ? dynamics::kSlowestImpact : std::numeric_limits<double>::infinity()};
+    return {def.relax ? 0.5 * def.contact_reuse : 0.0,
+            census.bouncing_shapes > 0 ? dynamics::kSlowestImpact : std::numeric_limits<double>::infinity()};
 }
 
 // Which of the candidates have to be looked at, where the contacts of the others are kept.
@@ -25,8 +26,11 @@ bool World::Impl::choose_looked(double dt) {
     if (!contacts_held || calm_rule().share == 0.0 || dt / def.substeps != last_substep) return false;
     const std::size_t most = candidates.size() / kMostLooked;
     if (proxies.moved.size() * kMostLooked > proxies.by_slot.size()) return false;
-    if (contacts.manifolds.size() > kMostUnused + contacts.manifold_count() + contacts.manifold_count() / 8) return false;  // closes the ranks
-    const auto tracked = [&](std::uint32_t body) { return arrays.roles[body] == Role::Static || (solver.holds(body) && displaced[body] == 0); };
+    if (contacts.manifolds.size() > kMostUnused + contacts.manifold_count() + contacts.manifold_count() / 8)
+        return false;  // closes the ranks
+    const auto tracked = [&](std::uint32_t body) {
+        return arrays.roles[body] == Role::Static || (solver.holds(body) && displaced[body] == 0);
+    };
     for (const NumberedPair& pair : candidates) {
         const bool due = ((pair.a + pair.b + steps) & (kLongestKept - 1)) == 0;
         const bool keeps = !due && (proxies.calm[pair.a] & proxies.calm[pair.b]) != 0 &&

@@ -21,9 +21,12 @@ void list_candidates_of(const ProxySet& set, const BodyArrays& bodies, std::span
         const double closing = set.motion[a] + motion - stay;  // the rest is of this step
         const auto in_step = [&](std::uint32_t i, double all) { return set.stay[i] > 0.0 ? set.way[i] : all; };
         const bool kept = may_be_kept(a) && may_be_kept(b);
-        out.push_back({a, b, static_cast<float>(kept ? stay + std::min(closing, most) : std::min(in_step(a, set.motion[a]) + in_step(b, motion), most))});
+        out.push_back(
+            {a, b,
+             static_cast<float>(kept ? stay + std::min(closing, most) : std::min(in_step(a, set.motion[a]) + in_step(b, motion), most))});
     };
-    auto next = std::lower_bound(found.begin(), found.end(), first, [](const ProxyPair& pair, std::uint32_t slot) { return pair.a < slot; });
+    auto next =
+        std::lower_bound(found.begin(), found.end(), first, [](const ProxyPair& pair, std::uint32_t slot) { return pair.a < slot; });
     for (std::uint32_t i = first; i < last; ++i) {
         if (set.kinds[i] != ProxyKind::Bounded) continue;
         for (; next != found.end() && next->a == i; ++next) {
@@ -92,9 +95,11 @@ bool name_candidates(const ProxySet& set, double share, std::span<NumberedPair> 
             NumberedPair& pair = candidates[k];
             const CandidateName name{key_of(set, pair), set.versions[pair.a], set.versions[pair.b]};
             names.now[k] = name;
-            pair.slack = two_boxes(pair) || may_hit(pair) ? 0.0f : static_cast<float>(share * std::min(set.extents[pair.a], set.extents[pair.b]));
+            pair.slack =
+                two_boxes(pair) || may_hit(pair) ? 0.0f : static_cast<float>(share * std::min(set.extents[pair.a], set.extents[pair.b]));
             while (old != before.end() && old->key < name.key) ++old;
-            const bool same = old != before.end() && old->key == name.key && old->version_a == name.version_a && old->version_b == name.version_b;
+            const bool same =
+                old != before.end() && old->key == name.key && old->version_a == name.version_a && old->version_b == name.version_b;
             pair.last = same ? static_cast<std::uint32_t>(old - before.begin()) : kNewPair;
         }
     });

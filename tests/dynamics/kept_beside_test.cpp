@@ -1,0 +1,387 @@
+// Contacts are kept beside joints, bouncing bodies and sleepers.
+#include <carom/core/random.hpp>
+#include <carom/core/simd_width.hpp>
+#include <carom/dynamics/explain.hpp>
+
+#include "odd_executors.hpp"
+#include "table.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <functional>
+#include <set>
+
+namespace carom {
+namespace {
+
+using namespace test;
+
+/// Thirty boxes at rest, in pairs one on the other, away from all that happens.
+void add_rest(Table& table) {
+    for (int i = 0; i < 30; ++i) table.add({.position = {2.0 * (i % 15), i < 15 ? 0.5 : 1.5, -6.0}}, Box{{0.5f, 0.5f, 0.5f}});
+}
+
+struct Kept {
+    std::size_t pairs = 0, reused = 0;
+    StepReport last;
+};
+
+Kept run(Table& table, int steps) {
+    Kept kept;
+    for (int i = 0; i < steps; ++i) {
+        kept.last = table.world.step(kDt);
+        kept.pairs += kept.last.pairs, kept.reused += kept.last.reused;
+    }
+    return kept;
+}
+
+/// The farthest that a body of one is from that of the other [m].
+double apart(const World& a, const World& b) {
+    double most = 0.0;
+    for (std::size_t i = 0; i < a.bodies().size(); ++i) {
+        most = std::max(most, glm::length(a.center_of_mass(a.bodies()[i]) - b.center_of_mass(b.bodies()[i])));
+    }
+    return most;
+}
+
+// A hinge of two ball joints on the ground, a rope that lies on it with its end in the air, and a door that swings.
+TEST(KeptBeside, JointsHoldAsTheyDoWithoutThem) {
+    const auto world = [](double reuse) {
+        Table table({.contact_reuse = reuse, .contact_method = ContactMethod::Soft});
+        add_rest(table);
+        const BodyId a = table.add({.position = {0, 0.5, 0}}, Box{{0.5f, 0.5f, 0.5f}}),
+                     b = table.add({.position = {1.1, 0.5, 0}}, Box{{0.5f, 0.5f, 0.5f}});
+        for (const double z : {-0.4, 0.4}) {
+            table.world.create_joint(BallJointDef{.body_a = a, .body_b = b, .anchor_a = {0.55, 0.4, z}, .anchor_b = {-0.55, 0.4, z}});
+        }
+        BodyId last;
+        for (int i = 0; i < 8; ++i) {
+            const BodyId link = table.add({.position = {4.0 + 0.5 * i, 0.1, 0}}, Box{{0.2f, 0.1f, 0.1f}});
+            if (last)
+                table.world.create_joint(BallJointDef{.body_a = last, .body_b = link, .anchor_a = {0.25, 0, 0}, .anchor_b = {-0.25, 0, 0}});
+            last = link;
+        }
+        table.world.create_joint(BallJointDef{.body_a = last, .anchor_a = {0.2, 0, 0}, .anchor_b = {7.7, 0.5, 0}});
+        const BodyId door = table.add({.position = {-5, 3, 0}, .angular_velocity = {0, 1, 0}}, Box{{0.5f, 1.0f, 0.05f}});
+        for (const double y : {-0.9, 0.9})
+            table.world.create_joint(BallJointDef{.body_a = door, .anchor_a = {-0.5, y, 0}, .anchor_b = {-5.5, 3 + y, 0}});
+        return table;
+    };
+    Table kept = world(WorldDef{}.contact_reuse), anew = world(0.0);
+    run(kept, 240), run(anew, 240);
+    const Kept a = run(kept, 60), b = run(anew, 60);
+    EXPECT_GT(10 * a.reused, 9 * a.pairs) << a.reused << " of " << a.pairs;
+    EXPECT_EQ(b.reused, 0u);
+    EXPECT_LT(apart(kept.world, anew.world), 2e-4);
+    EXPECT_LT(a.last.joints.worst_gap, 1e-9);
+    EXPECT_EQ(a.last.joints.in_contact, 2u);
+    EXPECT_LT(a.last.max_penetration, 1.5 * b.last.max_penetration);
+    for (std::size_t j = 0; j < kept.world.joints().size(); ++j) {
+        const dvec3 one = kept.world.joint_state(kept.world.joints()[j]).force,
+                    other = anew.world.joint_state(anew.world.joints()[j]).force;
+        EXPECT_LT(glm::length(one - other), 10.0) << j << ": a thousandth of a box's weight; friction leaves it open";
+    }
+}
+
+// A joint that leaves contacts out does so at once, and they are there when it goes.
+TEST(KeptBeside, AJointThatPartsLeavesNoContactBehind) {
+    Table table({.contact_method = ContactMethod::Soft});
+    add_rest(table);
+    const BodyId low = table.add({.position = {0, 0.5, 0}}, Box{{0.5f, 0.5f, 0.5f}}),
+                 top = table.add({.position = {0, 1.5, 0}}, Box{{0.5f, 0.5f, 0.5f}});
+    table.run(90);
+    const auto touches = [&] { return table.world.explain(low, top).pairs.at(0).found.has_value(); };
+    ASSERT_TRUE(touches());
+    SpringDef spring{.body_a = low, .body_b = top, .rest_length = 0.999, .stiffness = 1e7, .damping = 1e4};
+    const JointId joint = table.world.create_joint(spring);
+    table.run(1);
+    EXPECT_FALSE(touches()) << "created";
+    spring.collide_connected = true;
+    table.world.set_joint(joint, spring);
+    table.run(1);
+    EXPECT_TRUE(touches()) << "changed";
+    spring.collide_connected = false;
+    table.world.set_joint(joint, spring);
+    table.run(60);
+    EXPECT_FALSE(touches()) << "changed back";
+    table.world.destroy_joint(joint);
+    table.run(1);
+    EXPECT_TRUE(touches()) << "destroyed";
+}
+
+TEST(KeptBeside, ABallBouncesForEver) {
+    Table table({.contact_method = ContactMethod::Soft});
+    add_rest(table);
+    const BodyId ball = table.add({.position = {0, 1.5, 0}}, Sphere{0.5f}, {.friction = 0.0f, .restitution = 1.0f});
+    run(table, 120);
+    std::size_t bounces = 0;
+    Kept kept;
+    for (int i = 0; i < 3000; ++i) {
+        const StepReport report = table.world.step(kDt);
+        bounces += report.impacts, kept.pairs += report.pairs, kept.reused += report.reused;
+    }
+    const double v = table.world.linear_velocity(ball).y;
+    EXPECT_GT(bounces, 50u);
+    EXPECT_NEAR(table.world.pose(ball).position.y + v * v / (2.0 * 9.81), 1.5, 1e-10);
+    EXPECT_GT(20 * kept.reused, 19 * kept.pairs);
+}
+
+// All bounce: what rests is kept, and what falls on it bounces as high as it does where nothing is.
+TEST(KeptBeside, WhatBouncesAndRestsIsKeptToo) {
+    const auto run_one = [](double reuse, Kept& kept) {
+        Table table({.contact_reuse = reuse});
+        for (int i = 0; i < 30; ++i) table.add({.position = {2.0 * i, 0.5, 0}}, Box{{0.5f, 0.5f, 0.5f}}, {.restitution = 0.3f});
+        const BodyId ball =
+            table.add({.position = {10.0, 4.0, 0}}, Sphere{0.3f}, {.density = 100.0, .friction = 0.0f, .restitution = 0.8f});
+        std::vector<double> apexes;
+        double speed = 0.0;
+        for (int i = 0; i < 500; ++i) {
+            const StepReport report = table.world.step(kDt);
+            if (i >= 60) kept.pairs += report.pairs, kept.reused += report.reused;
+            const double now = table.world.linear_velocity(ball).y;
+            if (speed > 0.0 && now <= 0.0) apexes.push_back(table.world.pose(ball).position.y);
+            speed = now;
+        }
+        return apexes;
+    };
+    Kept a, b;
+    const std::vector<double> kept = run_one(WorldDef{}.contact_reuse, a), anew = run_one(0.0, b);
+    EXPECT_GT(10 * a.reused, 8 * a.pairs);
+    ASSERT_GE(anew.size(), 4u);
+    for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(kept.at(i), anew[i], 0.01 * (anew[i] - 1.3) + 1e-3) << i;
+}
+
+// It comes to rest on a box, is thrown up, flies and bounces again; contacts begin and end to fly, and the rest stays.
+TEST(KeptBeside, WhatComesToRestAndIsThrownUpAgain) {
+    Table table({.contact_method = ContactMethod::Soft});
+    add_rest(table);
+    const BodyId ball = table.add({.position = {0, 1.5, 0}}, Sphere{0.5f}, {.restitution = 0.5f});
+    for (int round = 0; round < 3; ++round) {
+        run(table, 200);
+        EXPECT_NEAR(table.world.pose(ball).position.y, 0.5, 1e-3) << round;
+        EXPECT_LT(glm::length(table.world.linear_velocity(ball)), 1e-3) << round;
+        EXPECT_GT(table.world.step(kDt).reused, 25u);
+        table.world.set_linear_velocity(ball, {0, 4, 0});
+        run(table, 4);
+        const double y = table.world.center_of_mass(ball).y, v = table.world.linear_velocity(ball).y;
+        for (int i = 1; i <= 30; ++i) {
+            run(table, 1);
+            EXPECT_NEAR(table.world.center_of_mass(ball).y, y + v * i * kDt - 0.5 * 9.81 * i * kDt * i * kDt, 1e-13);
+        }
+    }
+}
+
+Table with_sleepers(double reuse) {
+    Table table({.contact_reuse = reuse, .contact_method = ContactMethod::Soft, .sleep = {.enabled = true}});
+    for (int i = 0; i < 30; ++i)
+        table.add({.position = {2.0 * (i % 15), i < 15 ? 0.5 : 1.5, -6.0}, .can_sleep = false}, Box{{0.5f, 0.5f, 0.5f}});
+    for (int i = 0; i < 5; ++i) table.add({.position = {0, 0.5 + i, 0}, .name = "stack"}, Box{{0.5f, 0.5f, 0.5f}});
+    for (int i = 0; i < 5; ++i) table.add({.position = {4.0 + 2.0 * i, 0.5, 0}}, Box{{0.5f, 0.5f, 0.5f}});
+    table.run(240);
+    return table;
+}
+
+// What wakes has its contacts and impulses, whatever wakes it: the stack stands as it stood.
+TEST(KeptBeside, SleepersComeBackAsTheyWere) {
+    struct Waking {
+        const char* name;
+        std::function<void(Table& table, BodyId top)> happens;
+        double moves;
+    };
+    const Waking wakings[] = {
+        {"it is woken", [](Table& t, BodyId top) { t.world.wake(top); }, 2e-5},
+        {"a ball lands on it",
+         [](Table& t, BodyId) {
+             t.add({.position = {0.1, 5.3, 0}}, Sphere{0.2f}, {.density = 100.0});
+         },
+         1e-3},
+        {"its neighbour is pushed away",
+         [](Table& t, BodyId top) {
+             t.world.apply_impulse(top, {0, 0, 1e3}, t.world.center_of_mass(top));
+         },
+         0.05},
+    };
+    for (const Waking& waking : wakings) {
+        Table kept = with_sleepers(WorldDef{}.contact_reuse), anew = with_sleepers(0.0);
+        ASSERT_EQ(kept.world.step(kDt).asleep, 10u) << waking.name;
+        const Kept before = run(kept, 60);
+        EXPECT_GT(10 * before.reused, 9 * before.pairs);
+        run(anew, 61);
+        std::vector<dvec3> stood;
+        for (std::size_t i = 31; i < 36; ++i) stood.push_back(kept.world.center_of_mass(kept.world.bodies()[i]));
+        for (Table* table : {&kept, &anew}) waking.happens(*table, table->world.bodies()[35]);
+        double deepest = 0.0;
+        std::size_t woken = 0;
+        for (int i = 0; i < 20; ++i) {
+            const StepReport report = kept.world.step(kDt);
+            deepest = std::max(deepest, report.max_penetration), woken += report.woken;
+        }
+        EXPECT_EQ(woken, 5u) << waking.name;
+        EXPECT_LT(deepest, waking.moves < 1e-4 ? 4e-4 : 2e-3) << waking.name;
+        run(anew, 20);
+        for (std::size_t i = 0; i < 4; ++i) {  // but for the one on top
+            EXPECT_LT(glm::length(kept.world.center_of_mass(kept.world.bodies()[31 + i]) - stood[i]), waking.moves)
+                << waking.name << ", " << i;
+        }
+        EXPECT_LT(apart(kept.world, anew.world), 0.05 * waking.moves + 1e-4) << waking.name;
+    }
+}
+
+TEST(KeptBeside, WhatIsPutToSleepAndWokenInTurnsLeavesNothingBehind) {
+    Table table = with_sleepers(WorldDef{}.contact_reuse);
+    const std::vector<BodyId> bodies(table.world.bodies().begin(), table.world.bodies().end());
+    std::size_t reused = 0;
+    for (int round = 0; round < 12; ++round) {
+        const BodyId one = bodies[static_cast<std::size_t>(31 + round % 10)];
+        table.world.is_awake(one) ? static_cast<void>(table.world.put_to_sleep(one)) : table.world.wake(one);
+        for (int i = 0; i < 3; ++i) {
+            reused += table.world.step(kDt).reused;
+            std::set<std::pair<std::uint32_t, std::uint32_t>> seen;
+            for (std::size_t c = 0; c < table.world.contact_count(); ++c) {
+                const ContactView view = table.world.contact(c);
+                EXPECT_TRUE(seen.insert({view.shape_a.slot, view.shape_b.slot}).second) << "a contact is there twice";
+            }
+            EXPECT_EQ(seen.size(), 15u + 15u + 5u + 5u);
+        }
+    }
+    EXPECT_GT(reused, 24u * 25u);
+    EXPECT_NEAR(table.world.pose(bodies[35]).position.y, 4.5, 1e-3);
+}
+
+/// Boxes and balls that bounce, joints that come and go, sleepers, and whatever else somebody may do, by a seed.
+class Churn {
+public:
+    explicit Churn(Executor* executor, std::uint64_t seed)
+        : table(
+              {.executor = executor, .plan = executor == nullptr ? PlanMode::Automatic : PlanMode::Everything, .sleep = {.enabled = true}}),
+          random_(seed) {
+        for (int i = 0; i < 40; ++i) add({2.0 * (i % 8), 0.5 + 1.1 * (i / 32), 2.0 * ((i / 8) % 4)}, i % 5);
+        table.run(60);
+    }
+
+    StepReport step() {
+        if (random_.range(0.0, 1.0) < 0.15) act(static_cast<int>(random_.range(0.0, 10.0)));
+        return table.world.step(kDt);
+    }
+
+    Table table;
+
+private:
+    void add(const dvec3& at, int kind) {
+        const ShapeDef def{.restitution = kind == 1 ? 0.7f : 0.0f};
+        const BodyDef body{.position = at, .can_sleep = kind != 0};
+        if (kind == 1 || kind == 2)
+            table.add(body, Sphere{0.4f}, def);
+        else
+            table.add(body, Box{{0.5f, 0.4f, 0.5f}}, def);
+    }
+    BodyId any() {
+        const std::span<const BodyId> bodies = table.world.bodies();
+        return bodies[1 + static_cast<std::size_t>(random_.range(0.0, static_cast<double>(bodies.size() - 1)))];
+    }
+    BodyId nearest(BodyId to) {
+        const auto bodies = table.world.bodies().subspan(1);
+        return *std::ranges::min_element(bodies, {}, [&](BodyId body) {
+            return body == to ? 1e9 : glm::length(table.world.center_of_mass(body) - table.world.center_of_mass(to));
+        });
+    }
+    void act(int what) {
+        World& w = table.world;
+        const BodyId a = any();
+        const dvec3 here = w.center_of_mass(a), up{0, 2.5, 0};
+        switch (what) {
+            case 0:
+                w.apply_impulse(a, w.mass_properties(a).mass * dvec3{random_.range(-2.0, 2.0), 3, 0}, here);
+                break;
+            case 1:
+                if (w.bodies().size() > 25) w.destroy_body(a);
+                break;
+            case 2:
+                add({random_.range(0.0, 14.0), 4.0, random_.range(0.0, 6.0)}, static_cast<int>(random_.range(0.0, 5.0)));
+                break;
+            case 3:
+                w.set_pose(a, {here + up, kIdentityRotation});
+                break;
+            case 4: {
+                const BodyId b = nearest(a);
+                const dvec3 middle = 0.5 * (here + w.center_of_mass(b));
+                const auto local = [&](BodyId body) { return glm::conjugate(w.pose(body).orientation) * (middle - w.pose(body).position); };
+                w.create_joint(BallJointDef{.body_a = a,
+                                            .body_b = b,
+                                            .anchor_a = local(a),
+                                            .anchor_b = local(b),
+                                            .collide_connected = random_.range(0.0, 1.0) < 0.3});
+            } break;
+            case 5:
+                if (!w.joints().empty()) w.destroy_joint(w.joints()[0]);
+                break;
+            case 6:
+                w.wake(a);
+                break;
+            case 7:
+                static_cast<void>(w.put_to_sleep(a));
+                break;
+            case 8:
+                w.add_shape(a, Box{{0.1f, 0.1f, 0.1f}}, {.restitution = 0.5f, .local = {{0, 0.5, 0}, kIdentityRotation}});
+                break;
+            default:
+                w.set_gravity_scale(a, random_.range(-0.2, 1.0));
+                break;
+        }
+    }
+    Random random_;
+};
+
+// explain() measures each pair where it is, and holds what the step has of it against that.
+TEST(KeptBeside, WhateverHappensContactsAreThoseOfThePoses) {
+    for (const std::uint64_t seed : {1u, 2u, 3u}) {
+        Churn churn(nullptr, seed);
+        std::size_t kept = 0, asleep = 0, impacts = 0, joints = 0;
+        for (int i = 0; i < 400; ++i) {
+            const StepReport report = churn.step();
+            kept += 2 * report.reused > report.pairs ? 1 : 0, asleep += report.asleep > 0 ? 1 : 0, impacts += report.impacts;
+            joints += report.joints.in_contact;
+            const World& w = churn.table.world;
+            for (std::size_t c = 0; c < w.contact_count(); ++c) {
+                const ContactView view = w.contact(c);
+                ASSERT_TRUE(w.is_alive(view.shape_a) && w.is_alive(view.shape_b)) << i;
+            }
+            if (i % 10 != 9) continue;
+            for (std::size_t a = 0; a < w.bodies().size(); ++a) {
+                for (std::size_t b = a + 1; b < w.bodies().size(); ++b) {
+                    const ContactExplanation why = w.explain(w.bodies()[a], w.bodies()[b]);
+                    ASSERT_TRUE(why.disagreements.empty()) << why.disagreements.front() << " seed " << seed << ", step " << i;
+                }
+            }
+        }
+        EXPECT_GT(kept, 60u) << seed;
+        EXPECT_GT(asleep, 60u) << seed;
+        EXPECT_GT(impacts, 10u) << seed;
+        EXPECT_GT(joints, 20u) << seed;
+    }
+}
+
+TEST(KeptBeside, AllOfItHasTheSameBitsOnAllThreadsAndWidths) {
+    const auto hashes = [](Executor* executor, int width) {
+        set_simd_width(width);
+        Churn churn(executor, 7);
+        std::vector<std::uint64_t> out;
+        for (int i = 0; i < 250; ++i) {
+            churn.step();
+            out.push_back(churn.table.world.state_hash());
+        }
+        set_simd_width(0);
+        return out;
+    };
+    OddExecutor one(1, [](std::size_t count, const Executor::Body& body) { body(0, count); });
+    const std::vector<std::uint64_t> expected = hashes(&one, 0);
+    for (const int width : available_simd_widths()) EXPECT_EQ(hashes(&one, width), expected) << width;
+    for (const int threads : {2, 3}) {
+        OddExecutor executor(threads, [](std::size_t count, const Executor::Body& body) { in_threads(count, body, false); });
+        EXPECT_EQ(hashes(&executor, 0), expected) << threads << " threads";
+    }
+}
+
+}  // namespace
+}  // namespace carom
