@@ -10,6 +10,7 @@ using dynamics::Role;
 namespace {
 
 constexpr std::size_t kMostLooked = 3;      // contacts are kept where at most one candidate in so many has to be looked at
+constexpr std::size_t kPairsOfAPart = 1024;  // that a thread looks through together
 constexpr std::size_t kMostUnused = 64;     // manifolds, beside an eighth of those in use
 constexpr std::uint64_t kLongestKept = 64;  // steps, after which a pair is looked at in any case; a power of two
 
@@ -31,14 +32,38 @@ bool World::Impl::choose_looked(double dt) {
     const auto tracked = [&](std::uint32_t body) {
         return arrays.roles[body] == Role::Static || (solver.holds(body) && displaced[body] == 0);
     };
-    for (const NumberedPair& pair : candidates) {
+    const auto keeps = [&](const NumberedPair& pair) {
         const bool due = ((pair.a + pair.b + steps) & (kLongestKept - 1)) == 0;
-        const bool keeps = !due && (proxies.calm[pair.a] & proxies.calm[pair.b]) != 0 &&
-                           proxies.drift[pair.a] + proxies.drift[pair.b] <= dynamics::most_drift(proxies, pair, def.contact_reuse) &&
-                           tracked(proxies.bodies[pair.a]) && tracked(proxies.bodies[pair.b]);
-        if (keeps) continue;
-        if (looked.size() == most) return false;
-        looked.push_back(pair);
+        return !due && (proxies.calm[pair.a] & proxies.calm[pair.b]) != 0 &&
+               proxies.drift[pair.a] + proxies.drift[pair.b] <= dynamics::most_drift(proxies, pair, def.contact_reuse) &&
+               tracked(proxies.bodies[pair.a]) && tracked(proxies.bodies[pair.b]);
+    };
+    if (threads().thread_count() == 1) {
+        for (const NumberedPair& pair : candidates) {
+            if (keeps(pair)) continue;
+            if (looked.size() == most) return false;
+            looked.push_back(pair);
+        }
+        return true;
+    }
+    const std::size_t parts = (candidates.size() + kPairsOfAPart - 1) / kPairsOfAPart;
+    if (candidate_parts.size() < parts) candidate_parts.resize(parts);
+    threads().parallel_for(parts, 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t part = begin; part < end; ++part) {
+            std::vector<NumberedPair>& some = candidate_parts[part].pairs;
+            some.clear();
+            const std::size_t first = part * kPairsOfAPart, last = std::min(first + kPairsOfAPart, candidates.size());
+            for (std::size_t i = first; i < last; ++i) {
+                if (!keeps(candidates[i])) some.push_back(candidates[i]);
+            }
+        }
+    });
+    std::size_t count = 0;
+    for (std::size_t part = 0; part < parts; ++part) count += candidate_parts[part].pairs.size();
+    if (count > most) return false;
+    for (std::size_t part = 0; part < parts; ++part) {
+        const std::vector<NumberedPair>& some = candidate_parts[part].pairs;
+        looked.insert(looked.end(), some.begin(), some.end());
     }
     return true;
 }
@@ -52,7 +77,7 @@ void World::Impl::patch_contacts(dynamics::Step& step) {
     looked_pairs.clear();
     for (const NumberedPair& pair : looked) looked_pairs.push_back(dynamics::contact_pair(proxies, pair));
     const auto may_end = [&](const dynamics::ContactPair& pair) { return (proxies.calm[pair.proxy_a] & proxies.calm[pair.proxy_b]) == 0; };
-    dynamics::patch_contacts(contacts, looked_pairs, found_anew, may_end, contact_changes);
+    dynamics::patch_contacts(contacts, looked_pairs, found_anew, may_end, contact_changes, threads());
     names.now.clear();  // the narrowphase remembers other contacts
 }
 

@@ -94,7 +94,7 @@ void number_manifolds(ContactSet& contacts) {
 }  // namespace
 
 void patch_contacts(ContactSet& contacts, std::span<const ContactPair> looked, std::span<const Manifold> found,
-                    FunctionRef<bool(const ContactPair&)> may_end, ContactChanges& changes) {
+                    FunctionRef<bool(const ContactPair&)> may_end, ContactChanges& changes, Executor& executor) {
     changes.clear();
     changes.pairs.clear();
     contacts.flying.clear();
@@ -133,7 +133,7 @@ void patch_contacts(ContactSet& contacts, std::span<const ContactPair> looked, s
         std::swap(pairs, changes.pairs);
         number_manifolds(contacts);
     }
-    sum_up(contacts);
+    sum_up(contacts, executor);
 }
 
 }  // namespace carom::dynamics

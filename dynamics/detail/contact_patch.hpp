@@ -30,6 +30,6 @@ struct ContactChanges {
 /// @param may_end  whether a pair that was not looked at has none any more
 /// Cost: linear in the pairs.
 void patch_contacts(ContactSet& contacts, std::span<const ContactPair> looked, std::span<const Manifold> found,
-                    FunctionRef<bool(const ContactPair&)> may_end, ContactChanges& changes);
+                    FunctionRef<bool(const ContactPair&)> may_end, ContactChanges& changes, Executor& executor);
 
 }  // namespace carom::dynamics

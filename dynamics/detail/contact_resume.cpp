@@ -5,6 +5,7 @@
 #include <carom/core/flush_to_zero.hpp>
 
 #include <algorithm>
+#include <atomic>
 #include <bit>
 #include <cstddef>
 #include <cstring>
@@ -17,6 +18,7 @@ static_assert(sizeof(PointLanes) % sizeof(Wide<float>) == 0 && offsetof(ContactB
 /// A bundle has as many points as that of its lanes that has most: lanes that get more make them more, until they are laid out anew. They are counted, and not
 /// the points of the bundles, since which lanes share a bundle depends on the number of threads.
 constexpr std::size_t kMostGrown = 8;  // in so many bundles, one lane; each gets room for its bundle at most once
+constexpr std::size_t kChangesOfAPart = 64, kGroupsOfAPart = 4;
 constexpr std::size_t kNumber = sizeof(float);
 constexpr std::size_t kRowsOfPoint = sizeof(PointLanes) / sizeof(Wide<float>);
 constexpr std::size_t kRowsOfHead = offsetof(ContactBundle, points) / sizeof(Wide<float>);  // the last is of manifolds
@@ -164,7 +166,7 @@ bool ContactSolver::resume(const ContactSet& contacts, const ContactChanges& cha
     }
     point_count_ = contacts.summary.points;
     begin_rows(proxies, bodies, executor);
-    fill_changed_rows(contacts, changes, proxies, bodies);
+    fill_changed_rows(contacts, changes, proxies, bodies, executor);
     if (grown_ > more_points_.size()) return false;  // each may need room of its own
     moves_.clear();
     places_of_.resize(contacts.manifolds.size(), kNowhere);
@@ -188,7 +190,7 @@ bool ContactSolver::resume(const ContactSet& contacts, const ContactChanges& cha
     }
     if (!std::ranges::all_of(changes.removed, has_contact)) return false;
     for (const std::uint32_t m : changes.removed) contact_rows_[m] = {static_cast<std::int32_t>(slot_of_row_.size()), static_cast<std::int32_t>(slot_of_row_.size())};
-    fill_moves(contacts);
+    fill_moves(contacts, executor);
     deep_count_ = 0;
     for (const ContactBundle& bundle : bundles_) deep_count_ += static_cast<std::size_t>(bundle.deep);
     is_whole_ = true;
@@ -196,22 +198,26 @@ bool ContactSolver::resume(const ContactSet& contacts, const ContactChanges& cha
 }
 
 // Removed ones keep their rows until their lanes are free.
-void ContactSolver::fill_changed_rows(const ContactSet& contacts, const ContactChanges& changes, const ProxySet& proxies, const BodyArrays& bodies) {
+void ContactSolver::fill_changed_rows(const ContactSet& contacts, const ContactChanges& changes, const ProxySet& proxies, const BodyArrays& bodies,
+                                      Executor& executor) {
     const std::size_t count = contacts.manifolds.size();
     const ManifoldRow unused = manifold_rows_.back();
     contact_rows_.resize(count);
     manifold_rows_.resize(count + 1, unused);
     manifold_rows_.back() = unused;
     for (const std::vector<std::uint32_t>* some : {&changes.replaced, &changes.added}) {
-        for (const std::uint32_t m : *some) {
-            const ContactPair& pair = contacts.pairs[contacts.manifolds[m].pair];
-            fill_side(pair.proxy_a, proxies, bodies);
-            fill_side(pair.proxy_b, proxies, bodies);
-            const std::int32_t points = some == &changes.added ? 0 : manifold_rows_[m].count;
-            manifold_rows_[m] = row_of(contacts, m);
-            grown_ += manifold_rows_[m].count > points ? 1 : 0;
-            contact_rows_[m] = {manifold_rows_[m].row_a, manifold_rows_[m].row_b};
-        }
+        executor.parallel_for(some->size(), kChangesOfAPart, [&](std::size_t begin, std::size_t end) {
+            std::size_t grown = 0;
+            for (std::size_t i = begin; i < end; ++i) {
+                const std::uint32_t m = (*some)[i];
+                const ContactPair& pair = contacts.pairs[contacts.manifolds[m].pair];
+                const std::int32_t points = some == &changes.added ? 0 : manifold_rows_[m].count;
+                manifold_rows_[m] = row_of(contacts, m, side_of(pair.proxy_a, proxies, bodies), side_of(pair.proxy_b, proxies, bodies));
+                grown += manifold_rows_[m].count > points ? 1 : 0;
+                contact_rows_[m] = {manifold_rows_[m].row_a, manifold_rows_[m].row_b};
+            }
+            if (grown > 0) std::atomic_ref(grown_).fetch_add(grown, std::memory_order_relaxed);
+        });
     }
 }
 
@@ -222,32 +228,55 @@ void ContactSolver::make_room(ContactBundle& bundle, std::int32_t points) {
     bundle.point_count = points;
 }
 
+// A lane that was freed may be taken again: what comes to it last is all that counts, whoever does it first. And its bundle gets its room before.
+void ContactSolver::order_moves() {
+    last_move_.resize(bundles_.size() * kLanesPerBundle);
+    for (std::uint32_t i = 0; i < moves_.size(); ++i) last_move_[moves_[i].place] = i;
+    std::size_t kept = 0;
+    for (std::uint32_t i = 0; i < moves_.size(); ++i) {
+        if (last_move_[moves_[i].place] == i) moves_[kept++] = moves_[i];
+    }
+    moves_.resize(kept);
+    for (const Move& move : moves_) {
+        ContactBundle& to = bundles_[move.place / kLanesPerBundle];
+        const std::int32_t points = move.manifold == kUnusedLane ? 0 : manifold_rows_[move.manifold].count;
+        if (to.point_count < points) make_room(to, points);
+    }
+}
+
 // Sixteen side by side, as prepare() does it, and then each to its place.
-void ContactSolver::fill_moves(const ContactSet& contacts) {
-    const FlushToZero no_denormals;  // as in prepare()
+void ContactSolver::fill_group(std::size_t first, std::size_t count, const PrepareInput& input) {
+    ContactBundle some{};
+    std::array<PointLanes, kMaxManifoldPoints> points_of_some{};
+    some.points = points_of_some.data();
+    some.manifold.fill(kUnusedLane);
+    for (std::size_t lane = 0; lane < count; ++lane) some.manifold[lane] = moves_[first + lane].manifold;
+    prepare_bundles({&some, 1}, input);
+    for (std::size_t lane = 0; lane < count; ++lane) {
+        Move& move = moves_[first + lane];
+        ContactBundle& to = bundles_[move.place / kLanesPerBundle];
+        const std::size_t into = move.place % kLanesPerBundle;
+        const std::int32_t deep = deep_in(to, into);
+        copy_lane(some, lane, to, into);
+        move.deep = deep_in(to, into) - deep;
+    }
+}
+
+void ContactSolver::fill_moves(const ContactSet& contacts, Executor& executor) {
+    order_moves();
     const PrepareInput input{manifold_rows_, contacts.manifolds, contacts.impulses, rows_, soft_, soft_fixed_};
-    ContactBundle some;
-    std::array<PointLanes, kMaxManifoldPoints> points_of_some;
-    for (std::size_t first = 0; first < moves_.size(); first += kLanesPerBundle) {
-        const std::size_t count = std::min<std::size_t>(kLanesPerBundle, moves_.size() - first);
-        some = ContactBundle{};
-        points_of_some.fill({});
-        some.points = points_of_some.data();
-        some.manifold.fill(kUnusedLane);
-        for (std::size_t lane = 0; lane < count; ++lane) some.manifold[lane] = moves_[first + lane].manifold;
-        prepare_bundles({&some, 1}, input);
-        for (std::size_t lane = 0; lane < count; ++lane) {
-            const Place place = moves_[first + lane].place;
-            ContactBundle& to = bundles_[place / kLanesPerBundle];
-            const std::size_t into = place % kLanesPerBundle;
-            const std::int32_t deep = deep_in(to, into);
-            const std::uint32_t manifold = moves_[first + lane].manifold;
-            const std::int32_t points = manifold == kUnusedLane ? 0 : manifold_rows_[manifold].count;
-            if (to.point_count < points) make_room(to, points);
-            copy_lane(some, lane, to, into);
-            CAROM_ASSERT(is_alone(to, into, rows_.movable));
-            to.deep += deep_in(to, into) - deep;
+    const std::size_t groups = (moves_.size() + kLanesPerBundle - 1) / kLanesPerBundle;
+    executor.parallel_for(groups, kGroupsOfAPart, [&](std::size_t begin, std::size_t end) {
+        const FlushToZero no_denormals;  // as in prepare()
+        for (std::size_t group = begin; group < end; ++group) {
+            const std::size_t first = group * kLanesPerBundle;
+            fill_group(first, std::min<std::size_t>(kLanesPerBundle, moves_.size() - first), input);
         }
+    });
+    for (const Move& move : moves_) {
+        ContactBundle& to = bundles_[move.place / kLanesPerBundle];
+        to.deep += move.deep;
+        CAROM_ASSERT(is_alone(to, move.place % kLanesPerBundle, rows_.movable));
     }
 }
 

@@ -31,6 +31,12 @@ void finish(ContactSummary& sum) {
     if (sum.touching > 0) sum.mean_penetration /= static_cast<double>(sum.touching);
 }
 
+void add_parts(ContactSet& contacts) {
+    contacts.summary = {};
+    for (const ContactSummary& part : contacts.parts) add(contacts.summary, part);
+    finish(contacts.summary);
+}
+
 constexpr std::size_t kPart = 256;  // pairs worked on together, whatever the number of threads
 constexpr std::size_t part_count(std::size_t pairs) { return (pairs + kPart - 1) / kPart; }
 
@@ -107,10 +113,14 @@ void carry_part(ContactSet& contacts, const CarriedContacts& before, float scale
 
 }  // namespace
 
-void sum_up(ContactSet& contacts) {
-    contacts.summary = {};
-    for (const Manifold& manifold : contacts.manifolds) sum_up(manifold, contacts.summary);
-    finish(contacts.summary);
+void sum_up(ContactSet& contacts, Executor& executor) {
+    contacts.parts.assign(part_count(contacts.manifolds.size()), {});
+    for_parts(contacts.manifolds.size(), executor, [&](std::size_t part, std::size_t begin, std::size_t end) {
+        ContactSummary sum;
+        for (std::size_t m = begin; m < end; ++m) sum_up(contacts.manifolds[m], sum);
+        contacts.parts[part] = sum;
+    });
+    add_parts(contacts);
 }
 
 void ContactSet::trim() {
@@ -135,9 +145,7 @@ void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t 
     });
     contacts.order.clear();
     contacts.flying.clear();
-    contacts.summary = {};
-    for (const ContactSummary& part : contacts.parts) add(contacts.summary, part);
-    finish(contacts.summary);
+    add_parts(contacts);
 }
 
 }  // namespace carom::dynamics

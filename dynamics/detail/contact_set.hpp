@@ -88,7 +88,7 @@ class CarriedContacts;
 void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t candidate)> make, const CarriedContacts& before, float scale,
                     Executor& executor);
 
-/// The summary, over all manifolds, in their order.
-void sum_up(ContactSet& contacts);
+/// The summary, over all manifolds; in parts as above.
+void sum_up(ContactSet& contacts, Executor& executor);
 
 }  // namespace carom::dynamics

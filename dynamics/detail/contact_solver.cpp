@@ -183,20 +183,20 @@ void ContactSolver::fill_sides(const ProxySet& proxies, const BodyArrays& bodies
     executor.parallel_for(sides_.size(), kBodyGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t slot = begin; slot < end; ++slot) {
             if (proxies.kinds[slot] == ProxyKind::None || bodies.roles[proxies.bodies[slot]] == Role::Asleep) continue;
-            fill_side(static_cast<std::uint32_t>(slot), proxies, bodies);
+            sides_[slot] = side_of(static_cast<std::uint32_t>(slot), proxies, bodies);
         }
     });
 }
 
-void ContactSolver::fill_side(std::uint32_t slot, const ProxySet& proxies, const BodyArrays& bodies) {
+ContactSolver::Side ContactSolver::side_of(std::uint32_t slot, const ProxySet& proxies, const BodyArrays& bodies) const {
     const std::uint32_t body = proxies.bodies[slot];
     const std::int32_t row = row_of_slot_[body];
-    sides_[slot] = {.origin = proxies.poses[slot].position,
-                    .centre = bodies.states[body].pose.position,
-                    .of = proxies.surfaces[slot],
-                    .push = static_cast<float>(settings_.max_push * proxies.extents[slot] / settings_.dt),
-                    .row = row == kNoRow ? static_cast<std::int32_t>(slot_of_row_.size()) : row,
-                    .is_static = bodies.roles[body] == Role::Static};
+    return {.origin = proxies.poses[slot].position,
+            .centre = bodies.states[body].pose.position,
+            .of = proxies.surfaces[slot],
+            .push = static_cast<float>(settings_.max_push * proxies.extents[slot] / settings_.dt),
+            .row = row == kNoRow ? static_cast<std::int32_t>(slot_of_row_.size()) : row,
+            .is_static = bodies.roles[body] == Role::Static};
 }
 
 void ContactSolver::fill_manifold_rows(const ContactSet& contacts, Executor& executor) {
@@ -211,7 +211,8 @@ void ContactSolver::fill_manifold_rows(const ContactSet& contacts, Executor& exe
             if (contacts.manifolds[m].pair == kNoPair) {
                 manifold_rows_[m] = manifold_rows_[count];
             } else {
-                manifold_rows_[m] = row_of(contacts, static_cast<std::uint32_t>(m));
+                const ContactPair& pair = contacts.pairs[contacts.manifolds[m].pair];
+                manifold_rows_[m] = row_of(contacts, static_cast<std::uint32_t>(m), sides_[pair.proxy_a], sides_[pair.proxy_b]);
             }
             contact_rows_[m] = {manifold_rows_[m].row_a, manifold_rows_[m].row_b};
             kinds_[m] = kind_of(manifold_rows_[m]);
@@ -219,10 +220,8 @@ void ContactSolver::fill_manifold_rows(const ContactSet& contacts, Executor& exe
     });
 }
 
-ManifoldRow ContactSolver::row_of(const ContactSet& contacts, std::uint32_t number) const {
+ManifoldRow ContactSolver::row_of(const ContactSet& contacts, std::uint32_t number, const Side& a, const Side& b) const {
     const Manifold& manifold = contacts.manifolds[number];
-    const ContactPair& pair = contacts.pairs[manifold.pair];
-    const Side &a = sides_[pair.proxy_a], &b = sides_[pair.proxy_b];
     ManifoldRow row;
     row.normal[0] = manifold.normal.x, row.normal[1] = manifold.normal.y, row.normal[2] = manifold.normal.z;
     dvec3 origin_a = a.origin - a.centre, origin_b = a.origin - b.centre;

@@ -112,6 +112,7 @@ private:
     struct Move {
         std::uint32_t manifold = 0;  ///< kUnusedLane: the lane becomes free
         Place place = 0;
+        std::int32_t deep = 0;  ///< how many more points are deep
     };
     /// Where manifolds lie and which lanes are free, for resume().
     void note_places();
@@ -119,11 +120,13 @@ private:
     void free_lane(std::uint32_t manifold);
     [[nodiscard]] std::size_t best_lane(std::uint32_t color, std::int32_t points) const;
     void move_up(std::uint32_t manifold);
-    void fill_moves(const ContactSet& contacts);
+    void fill_moves(const ContactSet& contacts, Executor& executor);
+    void fill_group(std::size_t first, std::size_t count, const PrepareInput& input);
+    void order_moves();
     void make_room(ContactBundle& bundle, std::int32_t points);
     [[nodiscard]] bool goes_on(std::span<const unsigned char> held, const SolverSettings& settings) const;
-    void fill_changed_rows(const ContactSet& contacts, const ContactChanges& changes, const ProxySet& proxies, const BodyArrays& bodies);
-    void fill_side(std::uint32_t slot, const ProxySet& proxies, const BodyArrays& bodies);
+    void fill_changed_rows(const ContactSet& contacts, const ContactChanges& changes, const ProxySet& proxies, const BodyArrays& bodies, Executor& executor);
+    [[nodiscard]] Side side_of(std::uint32_t slot, const ProxySet& proxies, const BodyArrays& bodies) const;
     void mark_rows(const ContactSet& contacts, std::span<const unsigned char> held, const BodyArrays& bodies);
     void number_rows(const ContactSet& contacts, const BodyArrays& bodies);
     void begin_rows(const ProxySet& proxies, const BodyArrays& bodies, Executor& executor);
@@ -199,6 +202,7 @@ private:
     std::vector<std::uint8_t> color_of_bundle_;
     std::vector<std::uint32_t> contacts_of_row_;               // of rows that move
     std::vector<Move> moves_;
+    std::vector<std::uint32_t> last_move_;                     // by place, of those in moves_
     std::size_t grown_ = 0;                                    // lanes that got more points since they were laid out
     std::vector<Phase> phases_;
     std::vector<Task> tasks_;  // of each phase

@@ -66,6 +66,7 @@ Expected contents(const ContactSet& set, const ContactPair& pair) {
 
 TEST(ContactPatch, IsTheSetThatIsMadeAnew) {
     Random random(81);
+    SerialExecutor executor;
     for (int world = 0; world < 20; ++world) {
         ContactSet set;
         ContactChanges changes;
@@ -86,7 +87,7 @@ TEST(ContactPatch, IsTheSetThatIsMadeAnew) {
             }
             std::map<std::uint64_t, std::uint32_t> first_before;
             for (const ContactPair& pair : set.pairs) first_before[pair.key] = pair.first_manifold;
-            patch_contacts(set, looked, found, [&](const ContactPair& pair) { return ended.contains(pair.key); }, changes);
+            patch_contacts(set, looked, found, [&](const ContactPair& pair) { return ended.contains(pair.key); }, changes, executor);
 
             ASSERT_EQ(set.pairs.size(), expected.size());
             std::size_t i = 0, in_use = 0;
