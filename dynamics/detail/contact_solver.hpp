@@ -133,7 +133,7 @@ private:
     void fill_rows(const BodyArrays& bodies, Executor& executor);
     void fill_sides(const ProxySet& proxies, const BodyArrays& bodies, Executor& executor);
     void fill_manifold_rows(const ContactSet& contacts, Executor& executor);
-    [[nodiscard]] ManifoldRow row_of(const ContactSet& contacts, std::uint32_t manifold) const;
+    [[nodiscard]] ManifoldRow row_of(const ContactSet& contacts, std::uint32_t number, const Side& a, const Side& b) const;
     /// Within a colour the order is free: manifolds of as many points share bundles, so that few lanes idle, and those of like bodies lie in
     /// one part of it, so that a thread finds most of its bodies where it left them.
     void sort_by_points();
