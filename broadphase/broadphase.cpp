@@ -199,6 +199,7 @@ Broadphase::Broadphase(const BroadphaseSettings& settings) : impl_(std::make_uni
         impl_->settings.cell_scale = settings.cell_scale > 1.0 ? kMostCellScale : (settings.cell_scale < 1.0 ? 1.0 / kMostCellScale : 1.0);
         report_error(ErrorCode::InvalidArgument, "cell_scale must be in 1/16..16");
     }
+    impl_->set.list_changes(impl_->settings.lists_changes);
     const bool automatic = impl_->settings.method == BroadphaseMethod::Automatic;
     impl_->use(automatic ? BroadphaseMethod::BruteForce : impl_->settings.method);
 }
@@ -226,8 +227,7 @@ const PairUpdate& Broadphase::update(const ProxyChanges& changes, Executor& exec
     w.built = true;
     ++w.result.number;
     w.result.pairs = w.set.pairs();
-    w.result.begun = w.set.begun();
-    w.result.ended = w.set.ended();
+    if (w.settings.lists_changes) w.result.begun = w.set.begun(), w.result.ended = w.set.ended();
     if (w.result.status == PairStatus::Complete) w.result.complete_below = static_cast<std::uint32_t>(w.table.boxes.size());
     return w.result;
 }

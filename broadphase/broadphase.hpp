@@ -32,6 +32,8 @@ struct BroadphaseSettings {
     PairCallback callback{};
     /// Edges of the grids' cells, in units of those that they would choose: changes times, never pairs. 1/16 .. 16.
     double cell_scale = 1.0;
+    /// Whether PairUpdate::begun and ended are asked for; otherwise they are empty. They take three more lists of pairs where most boxes move.
+    bool lists_changes = true;
 };
 
 /// What changed since the update before. A slot is the caller's stable name of a box; it comes alive when it is first listed as

@@ -99,6 +99,7 @@ void PairSet::for_places(F use) const {
 // Every pair with a changed slot is asked whether it stays.
 void PairSet::look_through(const SlotBits& changed, const Keep& keep) {
     constexpr std::size_t kAhead = 12;  // boxes are read all over memory
+    was_looked_through_ = true;
     grow(touched_, count_ + 16);
     const std::size_t touched = find_touched(pairs(), changed, touched_.data());
     grow(ended_, touched);

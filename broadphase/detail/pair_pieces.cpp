@@ -1,11 +1,15 @@
 #include <carom/broadphase/detail/pair_pieces.hpp>
 
+#include <algorithm>
+
 namespace carom::detail {
 
 void PairBuffer::grow(std::size_t count) {
-    const std::size_t doubled = 2 * first_.size(), needed = count_ + count;
-    first_.resize(doubled > needed ? doubled : needed);
-    second_.resize(first_.size());
+    const std::size_t more = first_.size() + first_.size() / 2, size = std::max(more, count_ + count);
+    for (std::vector<std::int32_t>* slots : {&first_, &second_}) {
+        slots->reserve(size);  // no more: vectors double as they are resized
+        slots->resize(size);
+    }
 }
 
 }  // namespace carom::detail

@@ -92,8 +92,10 @@ void PairSet::deal_out(const PairPieces& found, std::size_t first, std::size_t l
 // The list before moves to next_; pairs_ has room for `count`, and what changes has room for all.
 void PairSet::begin_list(std::size_t count) {
     row_starts_.clear();
-    std::swap(pairs_, next_);
+    was_replaced_ = true;
     previous_count_ = std::exchange(count_, count);
+    if (!lists_changes_) previous_count_ = 0;
+    if (lists_changes_) std::swap(pairs_, next_);
     grow(pairs_, count);
     if (previous_count_ == 0) return;
     grow(ended_, previous_count_ + kRowPadding);
@@ -142,14 +144,19 @@ void PairSet::replace(std::span<const ProxyPair> sorted) {
 
 bool PairSet::trim() {
     constexpr std::size_t kFew = 1024;
-    if (std::max(pairs_.size(), next_.size()) <= 2 * count_ + kFew) return false;
-    keep();
-    std::vector<ProxyPair> kept;
-    kept.reserve(count_ + count_ / 4);
-    kept.assign(pairs_.begin(), pairs_.begin() + static_cast<std::ptrdiff_t>(count_));
-    pairs_.swap(kept);
-    previous_count_ = 0;
     const auto drop = [](auto&... lists) { (std::remove_reference_t<decltype(lists)>().swap(lists), ...); };
+    const bool replaced = std::exchange(was_replaced_, false), looked_through = std::exchange(was_looked_through_, false);
+    const bool is_long = std::max(pairs_.size(), next_.size()) > 2 * count_ + kFew;
+    const bool has_second = !replaced && !row_values_.empty();
+    if (!looked_through) drop(touched_);
+    if (!is_long && !has_second) return false;
+    keep();
+    if (is_long) {
+        std::vector<ProxyPair> kept;
+        kept.reserve(count_ + count_ / 4);
+        kept.assign(pairs_.begin(), pairs_.begin() + static_cast<std::ptrdiff_t>(count_));
+        pairs_.swap(kept);
+    }
     drop(next_, begun_store_, ended_, row_values_, touched_, ended_places_, begun_places_, runs_, candidates_, payload_, scratch_.keys, scratch_.payload);
     return true;
 }

@@ -35,6 +35,9 @@ public:
     [[nodiscard]] std::span<const ProxyPair> begun() const noexcept { return begun_; }
     [[nodiscard]] std::span<const ProxyPair> ended() const noexcept { return {ended_.data(), ended_count_}; }
 
+    /// Whether replace() says what began and what ended: otherwise it needs no list of the pairs before. At first it does.
+    void list_changes(bool wanted) noexcept { lists_changes_ = wanted; }
+
     void clear() noexcept;
     /// Nothing began and nothing ended.
     void keep() noexcept;
@@ -59,7 +62,8 @@ public:
     bool patch(const PairPieces& found, const PairPieces* ended, const SlotBits& changed, const Keep& keep, std::size_t limit);
 
     [[nodiscard]] std::size_t memory() const noexcept;
-    /// Gives memory back where lists hold more than twice what the pairs take, and forgets what began and ended. @return whether it did.
+    /// Gives memory back where the list holds more than twice what the pairs take, and that of lists that no update since the last call made use of: one that is
+    /// patched needs no second one. Forgets what began and ended where it does. @return whether it did.
     bool trim();
 
 private:
@@ -88,6 +92,8 @@ private:
     std::vector<ProxyPair> pairs_, next_;  // grown, and shrunk by trim() alone, as all below: the first count_ of pairs_ hold
     std::size_t count_ = 0;
     std::size_t previous_count_ = 0;  // of next_, while the two lists are compared
+    bool lists_changes_ = true;
+    bool was_replaced_ = false, was_looked_through_ = false;  // since trim()
     std::span<const ProxyPair> begun_;
     std::vector<ProxyPair> begun_store_, ended_;
     std::size_t ended_count_ = 0;

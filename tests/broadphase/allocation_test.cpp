@@ -82,6 +82,36 @@ TEST(Allocation, GivesBackWhatACrowdTook) {
     }
 }
 
+// Who does not ask what began and ended gets the same pairs for fewer lists; and what has come to rest needs no lists for all pairs to be found anew.
+TEST(Allocation, ListsThatNobodyAsksForTakeNothing) {
+    SerialExecutor executor;
+    for (const BroadphaseMethod method : kBroadphaseMethods) {
+        constexpr std::size_t kCount = 3000;
+        auto boxes = test::random_boxes(test::Distribution::Stacked, kCount, 5);
+        const std::vector<ProxyFilter> filters(kCount);
+        std::vector<std::uint32_t> moved(kCount);
+        for (std::uint32_t i = 0; i < kCount; ++i) moved[i] = i;
+        Broadphase full({.method = method}), brief({.method = method, .lists_changes = false});
+        const auto update = [&](int step) {
+            for (const std::uint32_t i : moved) boxes[i] = {boxes[i].lower + vec3(step % 2 == 0 ? 0.02f : -0.02f), boxes[i].upper + vec3(step % 2 == 0 ? 0.02f : -0.02f)};
+            const PairUpdate &all = full.update({boxes, filters, moved, {}}, executor), &found = brief.update({boxes, filters, moved, {}}, executor);
+            ASSERT_TRUE(std::ranges::equal(found.pairs, all.pairs)) << to_string(method) << ", update " << step;
+            ASSERT_TRUE(found.begun.empty() && found.ended.empty()) << to_string(method);
+            ASSERT_EQ(found.number, all.number);
+        };
+        for (int step = 0; step < 20; ++step) update(step);
+        const std::size_t pairs = full.result().pairs.size(), moving = brief.memory();
+        EXPECT_GE(full.memory(), moving + 2 * sizeof(ProxyPair) * pairs) << to_string(method);
+        moved.resize(3);
+        for (int step = 0; step < 5; ++step) update(step);
+        const std::size_t before = brief.memory();  // with room for boxes that move in place, and the lists for all pairs still
+        for (int step = 5; step < 135; ++step) update(step);
+        if (method == BroadphaseMethod::UniformGrid || method == BroadphaseMethod::HierarchicalGrid) {
+            EXPECT_LE(brief.memory() + (sizeof(std::uint32_t) + sizeof(ProxyPair)) * pairs, before) << to_string(method);
+        }
+    }
+}
+
 /// For each box.
 struct Held {
     double bytes = 0.0;     ///< that operator new gave out and did not take back
