@@ -122,7 +122,7 @@ Status validate(const WorldDef& def) {
     return {};
 }
 
-World::Impl::Impl(const WorldDef& settings) : def(settings), broadphase({.method = settings.broadphase, .pair_limit = settings.pair_limit}), continuous(settings.continuous), sleepers(settings.sleep) {}
+World::Impl::Impl(const WorldDef& settings) : def(settings), broadphase({.method = settings.broadphase, .pair_limit = settings.pair_limit, .lists_changes = false}), continuous(settings.continuous), sleepers(settings.sleep) {}
 
 World::World(const WorldDef& def) : impl_(std::make_unique<Impl>(checked(def))) {}
 World::~World() = default;

@@ -23,7 +23,6 @@ dynamics::CalmRule World::Impl::calm_rule() const {
 
 // Which of the candidates have to be looked at, where the contacts of the others are kept.
 bool World::Impl::choose_looked(double dt) {
-    looked.clear();
     if (!contacts_held || calm_rule().share == 0.0 || dt / def.substeps != last_substep) return false;
     const std::size_t most = candidates.size() / kMostLooked;
     if (proxies.moved.size() * kMostLooked > proxies.by_slot.size()) return false;
@@ -39,11 +38,17 @@ bool World::Impl::choose_looked(double dt) {
                tracked(proxies.bodies[pair.a]) && tracked(proxies.bodies[pair.b]);
     };
     if (threads().thread_count() == 1) {
+        looked.resize(most);
+        std::size_t count = 0;
         for (const NumberedPair& pair : candidates) {
             if (keeps(pair)) continue;
-            if (looked.size() == most) return false;
-            looked.push_back(pair);
+            if (count == most) {
+                looked.release();
+                return false;
+            }
+            looked[count++] = pair;
         }
+        looked.shorten(count);
         return true;
     }
     const std::size_t parts = (candidates.size() + kPairsOfAPart - 1) / kPairsOfAPart;
@@ -61,23 +66,24 @@ bool World::Impl::choose_looked(double dt) {
     std::size_t count = 0;
     for (std::size_t part = 0; part < parts; ++part) count += candidate_parts[part].pairs.size();
     if (count > most) return false;
-    for (std::size_t part = 0; part < parts; ++part) {
-        const std::vector<NumberedPair>& some = candidate_parts[part].pairs;
-        looked.insert(looked.end(), some.begin(), some.end());
-    }
+    looked.resize(count);
+    NumberedPair* next = looked.data();
+    for (std::size_t part = 0; part < parts; ++part) next = std::ranges::copy(candidate_parts[part].pairs, next).out;
     return true;
 }
 
 // Looks at those, and at no others.
 void World::Impl::patch_contacts(dynamics::Step& step) {
     solver.carry_gaps(contacts.manifolds, threads());
-    const CollideCounts counts = collide(PlacedShapes{proxies.shapes, proxies.poses}, looked, threads(), collide_scratch, found_anew);
+    const auto may_end = [&](const dynamics::ContactPair& pair) { return (proxies.calm[pair.proxy_a] & proxies.calm[pair.proxy_b]) == 0; };
+    dynamics::ContactPatch patch(contacts, may_end, contact_changes);
+    const auto take = [&](std::size_t i, std::span<const Manifold> found) { patch.take(dynamics::contact_pair(proxies, looked[i]), found); };
+    const std::span<const NumberedPair> pairs{looked.data(), looked.size()};
+    const CollideCounts counts = collide(PlacedShapes{proxies.shapes, proxies.poses}, pairs, threads(), collide_scratch, take);
+    patch.finish(threads());
     step.report.undecided = counts.undecided;
     step.report.reused = candidates.size() - looked.size();
-    looked_pairs.clear();
-    for (const NumberedPair& pair : looked) looked_pairs.push_back(dynamics::contact_pair(proxies, pair));
-    const auto may_end = [&](const dynamics::ContactPair& pair) { return (proxies.calm[pair.proxy_a] & proxies.calm[pair.proxy_b]) == 0; };
-    dynamics::patch_contacts(contacts, looked_pairs, found_anew, may_end, contact_changes, threads());
+    looked.release();
     names.now.clear();  // the narrowphase remembers other contacts
 }
 

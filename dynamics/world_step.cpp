@@ -41,16 +41,19 @@ Balance operator-(const Balance& after, const Balance& before) {
 // Moves every body that no contact and no joint holds, and the kinematic ones, over the whole step at once.
 void World::Impl::integrate_free_bodies(bool contacts_found, double dt) {
     const bool follows = contacts_found && (def.continuous.enabled || def.record_paths);
-    if (follows) continuous.prepare(arrays.states.size());
-    threads().parallel_for(arrays.roles.size(), kBodyGrain, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t slot = begin; slot < end; ++slot) {
-            const Role role = arrays.roles[slot];
-            const auto number = static_cast<std::uint32_t>(slot);
-            const bool held = joint_solver.holds(number) || (contacts_found && (solver.holds(number) || direct.holds(number)));
-            if (role != Role::Kinematic && (role != Role::Dynamic || held)) continue;
-            if (follows) continuous.depart(number, arrays.states[slot]);
+    free_bodies.clear();
+    for (std::uint32_t slot = 0; slot < arrays.roles.size(); ++slot) {
+        const Role role = arrays.roles[slot];
+        const auto held = [&] { return joint_solver.holds(slot) || (contacts_found && (solver.holds(slot) || direct.holds(slot))); };
+        if (role == Role::Kinematic || (role == Role::Dynamic && !held())) free_bodies.push_back(slot);
+    }
+    if (follows) continuous.prepare(arrays.states.size(), free_bodies);
+    threads().parallel_for(free_bodies.size(), kBodyGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t k = begin; k < end; ++k) {
+            const std::uint32_t slot = free_bodies[k];
+            if (follows) continuous.depart(slot, arrays.states[slot]);
             dynamics::integrate_free(arrays.states[slot], arrays.masses[slot], free_motion(slot), dt);
-            if (follows) continuous.arrive(number, arrays.states[slot]);
+            if (follows) continuous.arrive(slot, arrays.states[slot]);
         }
     });
 }
@@ -141,16 +144,15 @@ void World::Impl::quarantine_unusable(double dt, StepReport& report) {
 // What lists of a step hold beyond what it needed.
 void World::Impl::trim_lists() {
     contacts.trim();
-    previous.trim();
+    scratch.trim();
     dynamics::trim_kept(last_manifolds);
     dynamics::trim_kept(candidates);
     dynamics::trim_kept(names.now);
     dynamics::trim_scratch(names.before);
-    dynamics::trim_scratch(looked);
-    dynamics::trim_scratch(looked_pairs);
-    dynamics::trim_scratch(found_anew);
     contact_changes.trim();
     passing.trim();
+    dynamics::trim_scratch(free_bodies);
+    continuous.trim();
     if (!contacts_hold || solver.is_roomy()) {
         solver.trim();
         contacts_hold = false;
@@ -277,6 +279,7 @@ StepReport World::Impl::take_step(const World& world, double dt) {
     if (choices.contacts) {
         do w.find_contacts(step, motion);
         while (w.wake_touched());  // again, with what woke
+        w.previous.clear();
         w.find_passing(step, motion);
     }
     if (choices.joints) {

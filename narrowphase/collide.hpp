@@ -6,6 +6,7 @@
 
 #include <carom/collision/shapes.hpp>
 #include <carom/core/executor.hpp>
+#include <carom/core/function_ref.hpp>
 #include <carom/core/pose.hpp>
 #include <carom/narrowphase/manifold.hpp>
 
@@ -101,6 +102,11 @@ struct CollideCounts {
 /// Misuse as in the single call, and sizes of `placed` that differ or a number beyond them: nothing changes.
 CollideCounts collide(const PlacedShapes& placed, std::span<const NumberedPair> pairs, Executor& executor, CollideScratch& scratch,
                       std::vector<Manifold>& out);
+
+/// The same, but for each pair, by number and in their order, its manifolds (maybe none) go to `take`, on the calling thread and while the call lasts: so the
+/// manifolds of all pairs are nowhere held at once.
+using TakeManifolds = FunctionRef<void(std::size_t pair, std::span<const Manifold> manifolds)>;
+CollideCounts collide(const PlacedShapes& placed, std::span<const NumberedPair> pairs, Executor& executor, CollideScratch& scratch, TakeManifolds take);
 
 /// The same, looking only at pairs that have moved.
 ///

@@ -267,14 +267,18 @@ struct CollideBatch {
         if (!alone) data.memory.carry(pairs, begin, end, std::span{data.starts}.subspan(begin - block), last, out);
     }
 
-    // Pairs [block, end), whose manifolds go to `out` from `start` on. @return how many pairs are undecided.
-    std::size_t run_block(std::size_t end, std::size_t start, std::vector<Manifold>& out) {
+    // Pairs [block, end): those that are not reused are run, and their manifolds wait in the chunks.
+    void run_block(std::size_t end) {
         sort_by_kernel(end);
         const std::size_t chunk_count = (data.order.size() + kChunk - 1) / kChunk;
         if (data.chunks.size() < chunk_count) data.chunks.resize(chunk_count);
         executor.parallel_for(chunk_count, 1, [&](std::size_t from, std::size_t to) {
             for (std::size_t c = from; c < to; ++c) run_chunk(c);
         });
+    }
+
+    // Their manifolds, to `out` from `start` on. @return how many pairs are undecided.
+    std::size_t lay_out_block(std::size_t end, std::size_t start, std::vector<Manifold>& out) {
         std::size_t undecided = 0;
         data.starts[0] = start;
         for (std::size_t i = block; i < end; ++i) {
@@ -287,6 +291,7 @@ struct CollideBatch {
             undecided += place.undecided ? 1 : 0;
         }
         const std::size_t needed = data.starts[end - block];
+        if (out.capacity() < needed) out.reserve(needed + needed / 8);  // vectors double
         if (out.size() < needed)
             out.resize(needed);  // what it held of another batch is written over, and cleared only where it is too short
         executor.parallel_for(end - block, 256,
@@ -333,20 +338,74 @@ struct CollideBatch {
         return {};
     }
 
-    CollideCounts run_blocks(std::vector<Manifold>& out) {
-        const auto kinds = count_kinds();
+    // The same, with the manifolds of each pair to `take`. Alone: nothing is reused.
+    [[nodiscard]] detail::PairFault run(TakeManifolds take, CollideCounts& counts) {
+        if (placed.shapes.size() != placed.poses.size()) return {"collide: shapes and poses differ in number"};
+        look_at_types();
+        const bool pairs_fit = look_at_pairs();
+        if (!poses_are_finite()) return {"collide: a pose is not finite", ErrorCode::NotFinite};
+        if (!pairs_fit) return find_fault();
+        if (are_boxes_in_order()) {
+            take_boxes(take);
+        } else {
+            counts.undecided = take_blocks(take);
+        }
+        data.memory.forget();
+        return {};
+    }
+
+    void take_boxes(TakeManifolds take) {
+        for (std::size_t first = 0; first < pairs.size(); first += kBlock) {
+            data.order.resize(std::min(kBlock, pairs.size() - first));
+            std::iota(data.order.begin(), data.order.end(), static_cast<std::uint32_t>(first));
+            data.direct.clear();
+            detail::box_box(input(), data.order, detail::thread_workspace(), data.direct);
+            std::size_t next = 0;
+            for (const std::uint32_t i : data.order) {
+                const std::size_t from = next;
+                while (next < data.direct.size() && data.direct[next].pair == i) ++next;
+                take(i, {data.direct.data() + from, next - from});
+            }
+        }
+    }
+
+    // @return how many pairs are undecided.
+    std::size_t take_blocks(TakeManifolds take) {
+        const std::size_t length = block_length(count_kinds());
+        std::size_t undecided = 0;
+        for (block = 0; block < pairs.size(); block += length) {
+            const std::size_t end = std::min(pairs.size(), block + length);
+            run_block(end);
+            for (std::size_t i = block; i < end; ++i) {
+                const Place& place = data.places[i - block];
+                undecided += place.undecided ? 1 : 0;
+                take(i, {data.chunks[place.chunk].manifolds.data() + place.first, place.count});
+            }
+        }
+        return undecided;
+    }
+
+    // Makes room. @return how many pairs are run together.
+    std::size_t block_length(const std::array<std::size_t, kKinds + 1>& kinds) {
         const auto kinds_run =
             static_cast<std::size_t>(std::count_if(kinds.begin(), kinds.begin() + kReused, [](std::size_t n) { return n > 0; }));
         const std::size_t threads = static_cast<std::size_t>(executor.thread_count());
         const std::size_t length =
             std::min(pairs.size(), std::max<std::size_t>(kinds_run, 1) * (threads == 1 ? kBlock : threads * kBlockOfThread));
         data.places.resize(length);
+        return length;
+    }
+
+    CollideCounts run_blocks(std::vector<Manifold>& out) {
+        const auto kinds = count_kinds();
+        const std::size_t length = block_length(kinds);
         data.starts.assign(length + 1, 0);
         CollideCounts counts{.undecided = 0, .reused = kinds[kReused]};
         std::size_t found = 0;
         for (block = 0; block < pairs.size(); block += length) {
             const std::size_t end = std::min(pairs.size(), block + length);
-            counts.undecided += run_block(end, found, out);
+            run_block(end);
+            counts.undecided += lay_out_block(end, found, out);
             found = data.starts[end - block];
         }
         out.resize(found);
@@ -372,6 +431,16 @@ CollideCounts collide(const PlacedShapes& placed, std::span<const NumberedPair> 
         .placed = placed, .pairs = pairs, .last = {}, .executor = executor, .data = CollideBatch::data_of(scratch), .alone = true};
     CollideCounts counts;
     const detail::PairFault fault = batch.run(out, counts);
+    CAROM_REQUIRE(fault.what == nullptr, fault.code, fault.what, CollideCounts{});
+    return counts;
+}
+
+CollideCounts collide(const PlacedShapes& placed, std::span<const NumberedPair> pairs, Executor& executor, CollideScratch& scratch,
+                      TakeManifolds take) {
+    CollideBatch batch{
+        .placed = placed, .pairs = pairs, .last = {}, .executor = executor, .data = CollideBatch::data_of(scratch), .alone = true};
+    CollideCounts counts;
+    const detail::PairFault fault = batch.run(take, counts);
     CAROM_REQUIRE(fault.what == nullptr, fault.code, fault.what, CollideCounts{});
     return counts;
 }

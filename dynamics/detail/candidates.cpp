@@ -1,5 +1,6 @@
 // Which pairs of proxies are looked at, and how far ahead.
 #include <carom/dynamics/detail/proxies.hpp>
+#include <carom/dynamics/detail/room.hpp>
 
 #include <algorithm>
 
@@ -45,6 +46,7 @@ void list_candidates_of(const ProxySet& set, const BodyArrays& bodies, std::span
 void list_candidates(const ProxySet& set, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt, Executor& executor,
                      CandidateParts& parts, std::vector<NumberedPair>& out) {
     const auto slots = static_cast<std::uint32_t>(set.by_slot.size());
+    if (out.capacity() < found.size()) out.reserve(with_room(found.size()));
     if (executor.thread_count() == 1 || slots < kSlotsWorthSharing) return list_candidates_of(set, bodies, found, dt, 0, slots, out);
     const std::size_t count = (slots + kSlotsOfAPart - 1) / kSlotsOfAPart;
     if (parts.size() < count) parts.resize(count);

@@ -1,8 +1,7 @@
 #include <carom/dynamics/detail/carried_contacts.hpp>
 
-#include <carom/dynamics/detail/room.hpp>
-
 #include <algorithm>
+#include <utility>
 
 namespace carom::dynamics {
 namespace {
@@ -46,8 +45,7 @@ void CarriedContacts::take(const ContactSet& contacts, Executor& executor) {
     firsts_.assign(parts + 1, 0);
     for (std::size_t i = 0; i < count; ++i) firsts_[i / kPart + 1] += contacts.pairs[i].point_count;
     for (std::size_t part = 0; part < parts; ++part) firsts_[part + 1] += firsts_[part];
-    pairs_.resize(count);
-    points_.resize(firsts_[parts]);
+    resize(count, firsts_[parts]);
     executor.parallel_for(parts, 1, [&](std::size_t begin, std::size_t end) {
         CarriedPoint* next = points_.data() + firsts_[begin];
         for (std::size_t i = begin * kPart; i < std::min(count, end * kPart); ++i) {
@@ -58,23 +56,30 @@ void CarriedContacts::take(const ContactSet& contacts, Executor& executor) {
 }
 
 void CarriedContacts::add(const ContactSet& contacts) {
-    const auto kept = static_cast<std::ptrdiff_t>(pairs_.size());
-    for (const ContactPair& pair : contacts.pairs) {
-        pairs_.push_back(carried(pair, points_.size()));
-        points_.resize(points_.size() + pair.point_count);
-        write_points(contacts, pair, points_.data() + pairs_.back().first_point);
-    }
-    std::ranges::inplace_merge(pairs_, pairs_.begin() + kept, {}, &CarriedPair::key);
+    CarriedContacts before(memory_.pool()), more(memory_.pool());
+    before.swap(*this);
+    SerialExecutor alone;
+    more.take(contacts, alone);
+    for (CarriedPair& pair : more.pairs_) pair.first_point += static_cast<std::uint32_t>(before.points_.size());
+    resize(before.pairs_.size() + more.pairs_.size(), before.points_.size() + more.points_.size());
+    std::ranges::merge(before.pairs_, more.pairs_, pairs_.begin(), {}, &CarriedPair::key, &CarriedPair::key);
+    std::ranges::copy(more.points_, std::ranges::copy(before.points_, points_.begin()).out);
+}
+
+void CarriedContacts::resize(std::size_t pairs, std::size_t points) {
+    memory_.resize(bytes_of<CarriedPair>(pairs) + bytes_of<CarriedPoint>(points));
+    std::byte* next = memory_.data();
+    pairs_ = cut<CarriedPair>(next, pairs), points_ = cut<CarriedPoint>(next, points);
+}
+
+void CarriedContacts::swap(CarriedContacts& other) noexcept {
+    memory_.swap(other.memory_);
+    std::swap(pairs_, other.pairs_), std::swap(points_, other.points_);
 }
 
 void CarriedContacts::clear() noexcept {
-    pairs_.clear();
-    points_.clear();
-}
-
-void CarriedContacts::trim() {
-    trim_kept(pairs_);
-    trim_kept(points_);
+    pairs_ = {}, points_ = {};
+    memory_.release();
 }
 
 void carry_impulses(const Manifold& manifold, std::span<const CarriedPoint> old, float scale, ManifoldImpulses& impulses) noexcept {

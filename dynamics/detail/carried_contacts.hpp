@@ -6,6 +6,7 @@
 
 #include <carom/core/executor.hpp>
 #include <carom/dynamics/detail/contact_set.hpp>
+#include <carom/dynamics/detail/scratch_pool.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -32,24 +33,29 @@ struct CarriedPair {
 
 class CarriedContacts {
 public:
+    explicit CarriedContacts(ScratchPool& pool) noexcept : memory_(pool) {}
+
     /// Replaces what is held by the points of `contacts` in use. Cost: linear, some 10 ns a manifold.
     void take(const ContactSet& contacts, Executor& executor);
     /// Adds those of pairs that are not held yet.
     void add(const ContactSet& contacts);
+    /// Gives all back to the pool: nothing is held.
     void clear() noexcept;
-    /// Gives memory back where much more is held than needed (room.hpp).
-    void trim();
 
     /// By rising key.
     [[nodiscard]] std::span<const CarriedPair> pairs() const noexcept { return pairs_; }
     /// In the order of the pair's manifolds.
     [[nodiscard]] std::span<const CarriedPoint> points_of(const CarriedPair& pair) const noexcept {
-        return std::span{points_}.subspan(pair.first_point, pair.point_count);
+        return points_.subspan(pair.first_point, pair.point_count);
     }
 
 private:
-    std::vector<CarriedPair> pairs_;
-    std::vector<CarriedPoint> points_;
+    void resize(std::size_t pairs, std::size_t points);
+    void swap(CarriedContacts& other) noexcept;
+
+    ScratchList<std::byte> memory_;
+    std::span<CarriedPair> pairs_;
+    std::span<CarriedPoint> points_;
     std::vector<std::uint32_t> firsts_;  // of each part its first point
 };
 

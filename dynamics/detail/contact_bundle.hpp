@@ -6,11 +6,12 @@
 #pragma once
 
 #include <carom/core/bundle.hpp>
+#include <carom/dynamics/detail/scratch_pool.hpp>
 
 #include <array>
 #include <cstddef>
 #include <cstdint>
-#include <vector>
+#include <span>
 
 namespace carom::dynamics {
 
@@ -81,9 +82,23 @@ inline constexpr std::uint32_t kUnusedLane = ~std::uint32_t{0};
 
 /// The bodies in contact of one step. Rows [0, movable) are dynamic, then come kinematic ones, the last never moves.
 struct SolverBodies {
-    std::vector<SolverBody> bodies;
-    std::vector<SolverMass> masses;
-    std::vector<SolverBase> bases;
+    explicit SolverBodies(ScratchPool& pool) noexcept : memory(pool) {}
+    /// Anything is in them. @return where `more` bytes lie behind them, for what lives as long.
+    [[nodiscard]] std::byte* resize(std::size_t count, std::size_t more) {
+        memory.resize(bytes_of<SolverBody>(count) + bytes_of<SolverBase>(count) + bytes_of<SolverMass>(count) + more);
+        std::byte* next = memory.data();
+        bodies = cut<SolverBody>(next, count), bases = cut<SolverBase>(next, count), masses = cut<SolverMass>(next, count);
+        return next;
+    }
+    void release() noexcept {
+        bodies = {}, bases = {}, masses = {};
+        memory.release();
+    }
+
+    ScratchList<std::byte> memory;
+    std::span<SolverBody> bodies;
+    std::span<SolverBase> bases;
+    std::span<SolverMass> masses;
     std::int32_t movable = 0;
 };
 

@@ -7,8 +7,10 @@
 #include <carom/dynamics/detail/contact_lanes.hpp>
 #include <carom/dynamics/detail/contact_prepare.hpp>
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <limits>
 
 HWY_BEFORE_NAMESPACE();
@@ -114,12 +116,12 @@ CAROM_PASS_INLINE Ints manifold_numbers(const ContactBundle& c, int lane) {
     return load(reinterpret_cast<const std::int32_t*>(c.manifold.data()) + lane);  // kUnusedLane is -1
 }
 
-CAROM_PASS_INLINE WideManifold read_manifold(ContactBundle& c, int lane, const PrepareInput& in) {
+CAROM_PASS_INLINE WideManifold read_manifold(ContactBundle& c, int lane, const ManifoldRow* all, const PrepareInput& in) {
     const Ints number = manifold_numbers(c, lane);
     const Mask unused = number < Ints{0};
     alignas(64) std::int32_t row[kLanes];
-    store(select(unused, Ints{static_cast<std::int32_t>(in.rows.size() - 1)}, number), row);
-    const float* const rows = in.rows.data()->normal;
+    for (int k = 0; k < kLanes; ++k) row[k] = lane + k;
+    const float* const rows = all->normal;
     Floats nx, ny, nz, push_limit, ox, oy, oz, friction, px, py, pz, round, row_a, row_b, count, fixed;
     gather_rows(rows, row, kRowStride, 0, nx, ny, nz, push_limit);
     gather_rows(rows, row, kRowStride, 4, ox, oy, oz, friction);
@@ -160,10 +162,12 @@ CAROM_PASS_INLINE WidePoint read_point(const WideManifold& m, const std::int32_t
 }
 
 void prepare_bundle(ContactBundle& c, const PrepareInput& in) {
+    alignas(64) std::array<ManifoldRow, kBundleWidth> rows;
+    std::memcpy(rows.data(), rows_in(c), sizeof(rows));
     c.point_count = 0;
     c.deep = 0;
     for (int lane = 0; lane < kBundleWidth; lane += kLanes) {
-        const WideManifold m = read_manifold(c, lane, in);
+        const WideManifold m = read_manifold(c, lane, rows.data(), in);
         const auto most = static_cast<std::int32_t>(greatest_lane(to_floats(m.count)));
         // Points that no lane of this part has, but one of another part, are no-ops here.
         for (std::int32_t k = c.point_count; kLanes < kBundleWidth && k < most; ++k) c.points[static_cast<std::size_t>(k)] = PointLanes{};
@@ -284,10 +288,7 @@ HWY_EXPORT(CarryGaps);
 
 namespace dynamics {
 
-void prepare_bundles(std::span<ContactBundle> bundles, const PrepareInput& input) {
-    CAROM_ASSERT(input.rows.size() == input.manifolds.size() + 1);
-    HWY_DYNAMIC_DISPATCH(PrepareBundles)(bundles, input);
-}
+void prepare_bundles(std::span<ContactBundle> bundles, const PrepareInput& input) { HWY_DYNAMIC_DISPATCH(PrepareBundles)(bundles, input); }
 
 void renew_masses(std::span<ContactBundle> bundles, const SolverBodies& bodies, std::span<const unsigned char> changed) {
     CAROM_ASSERT(changed.size() == bodies.bodies.size());

@@ -1,6 +1,7 @@
 // Contacts into the lanes of bundles, ready for the passes, and impulses back out.
 //
-//   prepare_bundles(bundles, {rows, manifolds, impulses, bodies, soft, soft_static});
+//   put_row(bundle, lane, row);                                                  // of all lanes
+//   prepare_bundles(bundles, {manifolds, impulses, bodies, soft, soft_static});
 //   ... passes ...
 //   store_impulses(bundles, impulses);
 //
@@ -11,6 +12,8 @@
 #include <carom/dynamics/detail/contact_kernels.hpp>
 #include <carom/dynamics/detail/contact_set.hpp>
 
+#include <cstddef>
+#include <cstring>
 #include <span>
 
 namespace carom::dynamics {
@@ -28,16 +31,23 @@ struct alignas(64) ManifoldRow {
     std::int32_t meets_fixed = 0;  ///< 1: one of the two cannot give way
 };
 
+/// Until a bundle is prepared, the rows of its lanes lie where the masses and what follows come to be: written manifold by manifold and read bundle by bundle, they
+/// need no memory of their own.
+static_assert(offsetof(ContactBundle, manifold) - offsetof(ContactBundle, a) >= kLanesPerBundle * sizeof(ManifoldRow));
+inline std::byte* rows_in(ContactBundle& bundle) noexcept { return reinterpret_cast<std::byte*>(&bundle) + offsetof(ContactBundle, a); }
+inline void put_row(ContactBundle& bundle, std::size_t lane, const ManifoldRow& row) noexcept {
+    std::memcpy(rows_in(bundle) + lane * sizeof(ManifoldRow), &row, sizeof(ManifoldRow));
+}
+
 struct PrepareInput {
-    std::span<const ManifoldRow> rows;  ///< (n + 1,) the last one stands for unused lanes: no points, rows that never move
     std::span<const Manifold> manifolds;
     std::span<const ManifoldImpulses> impulses;
     const SolverBodies& bodies;
     SoftContact soft, soft_fixed;  ///< between two bodies that move; and with one that does not
 };
 
-/// Fills bundles, of which only `manifold` is set, with what the passes read: lever arms, effective masses, and the
-/// impulses to start from along the tangents.
+/// Fills bundles, of which only `manifold` is set and each lane has its row (an unused one no points and rows that never move), with what the passes read: lever
+/// arms, effective masses, and the impulses to start from along the tangents.
 void prepare_bundles(std::span<ContactBundle> bundles, const PrepareInput& input);
 
 /// Takes the gap that the last pass found for each point's separation, here and in its manifold: the next step begins where this one ended.

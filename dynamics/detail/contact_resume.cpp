@@ -3,6 +3,7 @@
 
 #include <carom/core/check.hpp>
 #include <carom/core/flush_to_zero.hpp>
+#include <carom/dynamics/detail/room.hpp>
 
 #include <algorithm>
 #include <atomic>
@@ -58,7 +59,6 @@ std::int32_t deep_in(const ContactBundle& c, std::size_t lane) {
 }  // namespace
 
 void ContactSolver::note_places() {
-    places_of_.assign(contact_rows_.size(), kNowhere);
     contacts_of_row_.assign(static_cast<std::size_t>(rows_.movable), 0);
     color_of_bundle_.resize(bundles_.size());
     free_.resize(colors_.size());
@@ -69,13 +69,13 @@ void ContactSolver::note_places() {
             for (std::uint32_t lane = 0; lane < kLanesPerBundle; ++lane) {
                 const std::uint32_t m = bundles_[b].manifold[lane];
                 const Place place = b * kLanesPerBundle + lane;
-                m == kUnusedLane ? free_[c].push_back(place) : static_cast<void>(places_of_[m] = place);
+                if (m == kUnusedLane) free_[c].push_back(place);
             }
         }
     }
     for (const std::uint32_t slot : shared_) ++contacts_of_row_[static_cast<std::size_t>(row_of_slot_[slot])];  // others hold it without any
     grown_ = room_made_ = 0;
-    more_points_.resize(bundles_.size() / kMostGrown);
+    most_room_ = bundles_.size() / kMostGrown;
     for (const ContactRows& rows : contact_rows_) {
         for (const std::int32_t row : {rows.a, rows.b}) {
             if (row < rows_.movable) ++contacts_of_row_[static_cast<std::size_t>(row)];
@@ -93,7 +93,7 @@ bool ContactSolver::take_lane(std::uint32_t manifold) {
         open &= ~(std::uint32_t{1} << color);
         if (color >= free_.size() || free_[color].empty()) continue;
         coloring_.take(rows, color);
-        const std::size_t best = best_lane(color, manifold_rows_[manifold].count);
+        const std::size_t best = best_lane(color, points_of(manifold));
         places_of_[manifold] = std::exchange(free_[color][best], free_[color].back());
         free_[color].pop_back();
         return true;
@@ -113,7 +113,7 @@ std::size_t ContactSolver::best_lane(std::uint32_t color, std::int32_t points) c
 // To a bundle of as many points as it has by now, if there is a lane.
 void ContactSolver::move_up(std::uint32_t manifold) {
     const Place from = places_of_[manifold];
-    const std::int32_t points = manifold_rows_[manifold].count;
+    const std::int32_t points = points_of(manifold);
     const std::uint32_t color = color_of_bundle_[from / kLanesPerBundle];
     if (points <= bundles_[from / kLanesPerBundle].point_count || free_[color].empty()) return;
     const std::size_t best = best_lane(color, points);
@@ -166,8 +166,8 @@ bool ContactSolver::resume(const ContactSet& contacts, const ContactChanges& cha
     }
     point_count_ = contacts.summary.points;
     begin_rows(proxies, bodies, executor);
-    fill_changed_rows(contacts, changes, proxies, bodies, executor);
-    if (grown_ > more_points_.size()) return false;  // each may need room of its own
+    fill_changed_rows(contacts, changes, executor);
+    if (grown_ > most_room_) return false;  // each may need room of its own
     moves_.clear();
     places_of_.resize(contacts.manifolds.size(), kNowhere);
     for (const std::uint32_t m : changes.replaced) {
@@ -190,7 +190,7 @@ bool ContactSolver::resume(const ContactSet& contacts, const ContactChanges& cha
     }
     if (!std::ranges::all_of(changes.removed, has_contact)) return false;
     for (const std::uint32_t m : changes.removed) contact_rows_[m] = {static_cast<std::int32_t>(slot_of_row_.size()), static_cast<std::int32_t>(slot_of_row_.size())};
-    fill_moves(contacts, executor);
+    fill_moves(contacts, proxies, bodies, executor);
     deep_count_ = 0;
     for (const ContactBundle& bundle : bundles_) deep_count_ += static_cast<std::size_t>(bundle.deep);
     is_whole_ = true;
@@ -198,23 +198,18 @@ bool ContactSolver::resume(const ContactSet& contacts, const ContactChanges& cha
 }
 
 // Removed ones keep their rows until their lanes are free.
-void ContactSolver::fill_changed_rows(const ContactSet& contacts, const ContactChanges& changes, const ProxySet& proxies, const BodyArrays& bodies,
-                                      Executor& executor) {
-    const std::size_t count = contacts.manifolds.size();
-    const ManifoldRow unused = manifold_rows_.back();
-    contact_rows_.resize(count);
-    manifold_rows_.resize(count + 1, unused);
-    manifold_rows_.back() = unused;
+void ContactSolver::fill_changed_rows(const ContactSet& contacts, const ContactChanges& changes, Executor& executor) {
+    contact_rows_.resize(contacts.manifolds.size());
+    kinds_.resize(contacts.manifolds.size());
     for (const std::vector<std::uint32_t>* some : {&changes.replaced, &changes.added}) {
         executor.parallel_for(some->size(), kChangesOfAPart, [&](std::size_t begin, std::size_t end) {
             std::size_t grown = 0;
             for (std::size_t i = begin; i < end; ++i) {
                 const std::uint32_t m = (*some)[i];
-                const ContactPair& pair = contacts.pairs[contacts.manifolds[m].pair];
-                const std::int32_t points = some == &changes.added ? 0 : manifold_rows_[m].count;
-                manifold_rows_[m] = row_of(contacts, m, side_of(pair.proxy_a, proxies, bodies), side_of(pair.proxy_b, proxies, bodies));
-                grown += manifold_rows_[m].count > points ? 1 : 0;
-                contact_rows_[m] = {manifold_rows_[m].row_a, manifold_rows_[m].row_b};
+                const std::int32_t points = some == &changes.added ? 0 : points_of(m);
+                contact_rows_[m] = rows_of(contacts.pairs[contacts.manifolds[m].pair]);
+                kinds_[m] = kind_of(contact_rows_[m], contacts.solved_points(m));
+                grown += points_of(m) > points ? 1 : 0;
             }
             if (grown > 0) std::atomic_ref(grown_).fetch_add(grown, std::memory_order_relaxed);
         });
@@ -222,7 +217,8 @@ void ContactSolver::fill_changed_rows(const ContactSet& contacts, const ContactC
 }
 
 void ContactSolver::make_room(ContactBundle& bundle, std::int32_t points) {
-    std::array<PointLanes, kMaxManifoldPoints>& room = more_points_[room_made_++];
+    if (room_made_ == more_points_.size()) more_points_.push_back(std::make_unique<MorePoints>());
+    MorePoints& room = *more_points_[room_made_++];
     std::fill(std::copy(bundle.points, bundle.points + bundle.point_count, room.begin()), room.end(), PointLanes{});
     bundle.points = room.data();
     bundle.point_count = points;
@@ -239,19 +235,25 @@ void ContactSolver::order_moves() {
     moves_.resize(kept);
     for (const Move& move : moves_) {
         ContactBundle& to = bundles_[move.place / kLanesPerBundle];
-        const std::int32_t points = move.manifold == kUnusedLane ? 0 : manifold_rows_[move.manifold].count;
+        const std::int32_t points = move.manifold == kUnusedLane ? 0 : points_of(move.manifold);
         if (to.point_count < points) make_room(to, points);
     }
 }
 
 // Sixteen side by side, as prepare() does it, and then each to its place.
-void ContactSolver::fill_group(std::size_t first, std::size_t count, const PrepareInput& input) {
+void ContactSolver::fill_group(std::size_t first, std::size_t count, const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies) {
+    const auto row = [&](std::uint32_t m) {
+        const ContactPair& pair = contacts.pairs[contacts.manifolds[m].pair];
+        return row_of(contacts, m, side_of(pair.proxy_a, proxies, bodies), side_of(pair.proxy_b, proxies, bodies), proxies);
+    };
     ContactBundle some{};
     std::array<PointLanes, kMaxManifoldPoints> points_of_some{};
     some.points = points_of_some.data();
-    some.manifold.fill(kUnusedLane);
-    for (std::size_t lane = 0; lane < count; ++lane) some.manifold[lane] = moves_[first + lane].manifold;
-    prepare_bundles({&some, 1}, input);
+    for (std::size_t lane = 0; lane < kLanesPerBundle; ++lane) {
+        const std::uint32_t m = some.manifold[lane] = lane < count ? moves_[first + lane].manifold : kUnusedLane;
+        put_row(some, lane, m == kUnusedLane ? unused_row() : row(m));
+    }
+    prepare_bundles({&some, 1}, {contacts.manifolds, contacts.impulses, rows_, soft_, soft_fixed_});
     for (std::size_t lane = 0; lane < count; ++lane) {
         Move& move = moves_[first + lane];
         ContactBundle& to = bundles_[move.place / kLanesPerBundle];
@@ -262,15 +264,14 @@ void ContactSolver::fill_group(std::size_t first, std::size_t count, const Prepa
     }
 }
 
-void ContactSolver::fill_moves(const ContactSet& contacts, Executor& executor) {
+void ContactSolver::fill_moves(const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies, Executor& executor) {
     order_moves();
-    const PrepareInput input{manifold_rows_, contacts.manifolds, contacts.impulses, rows_, soft_, soft_fixed_};
     const std::size_t groups = (moves_.size() + kLanesPerBundle - 1) / kLanesPerBundle;
     executor.parallel_for(groups, kGroupsOfAPart, [&](std::size_t begin, std::size_t end) {
         const FlushToZero no_denormals;  // as in prepare()
         for (std::size_t group = begin; group < end; ++group) {
             const std::size_t first = group * kLanesPerBundle;
-            fill_group(first, std::min<std::size_t>(kLanesPerBundle, moves_.size() - first), input);
+            fill_group(first, std::min<std::size_t>(kLanesPerBundle, moves_.size() - first), contacts, proxies, bodies);
         }
     });
     for (const Move& move : moves_) {
@@ -278,6 +279,18 @@ void ContactSolver::fill_moves(const ContactSet& contacts, Executor& executor) {
         to.deep += move.deep;
         CAROM_ASSERT(is_alone(to, move.place % kLanesPerBundle, rows_.movable));
     }
+}
+
+bool ContactSolver::is_roomy() const noexcept {
+    return dynamics::is_roomy(bundles_.capacity(), bundles_.size());  // of points, how many there are depends on the number of threads
+}
+
+void ContactSolver::trim() {
+    is_whole_ = false;
+    trim_scratch(bundles_);
+    trim_scratch(points_);
+    trim_scratch(contact_rows_), trim_scratch(kinds_), trim_scratch(lane_order_);
+    more_points_.clear();
 }
 
 }  // namespace carom::dynamics

@@ -52,7 +52,7 @@ void for_parts(std::size_t pairs, Executor& executor, const Work& work) {
 void list_firsts(ContactSet& contacts, Executor& executor) {
     const std::vector<Manifold>& manifolds = contacts.manifolds;
     std::vector<std::uint32_t>& firsts = contacts.firsts;
-    firsts.resize(manifolds.size() + 1);
+    resize_with_room(firsts, manifolds.size() + 1);
     contacts.first_counts.assign(part_count(manifolds.size()), 0);
     for_parts(manifolds.size(), executor, [&](std::size_t part, std::size_t begin, std::size_t end) {
         std::size_t next = begin;
@@ -136,8 +136,8 @@ void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t 
                     Executor& executor) {
     list_firsts(contacts, executor);
     const std::size_t count = contacts.firsts.size() - 1;
-    contacts.pairs.resize(count);
-    contacts.impulses.resize(contacts.manifolds.size());
+    resize_with_room(contacts.pairs, count);
+    resize_with_room(contacts.impulses, contacts.manifolds.size());
     contacts.parts.assign(part_count(count), {});
     for_parts(count, executor, [&](std::size_t part, std::size_t begin, std::size_t end) {
         contacts.parts[part] = link_part(contacts, make, begin, end);

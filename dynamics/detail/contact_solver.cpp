@@ -19,7 +19,6 @@ constexpr std::int32_t kTouched = -2;
 constexpr std::size_t kBodyGrain = 128;
 constexpr std::size_t kBundlesAtOnce = 16;
 constexpr std::size_t kPointsWorthSharing = 1500;  // with fewer, waiting for each other takes threads longer than they save
-constexpr std::size_t kKinds = kMaxManifoldPoints + 1;
 constexpr std::size_t kManifoldGrain = 128;
 
 template <std::size_t n>
@@ -50,7 +49,7 @@ dvec3 rounded(const dvec3& v) { return dvec3{vec3{v}}; }
 void ContactSolver::begin_rows(const ProxySet& proxies, const BodyArrays& bodies, Executor& executor) {
     gaps_known_ = false;
     moves_listed_ = 0;
-    fill_rows(bodies, executor);
+    fill_rows(proxies, bodies, executor);
     rules_.list(bodies, slot_of_row_, rows_.movable, settings_.substep());
     slender_.list(bodies, slot_of_row_, is_slender_, settings_.dt, settings_.substeps);
     is_left_out_.assign(is_slender_.begin(), is_slender_.end());
@@ -78,14 +77,15 @@ void ContactSolver::prepare(const ContactSet& contacts, std::span<const unsigned
     number_rows(contacts, bodies);
     begin_rows(proxies, bodies, executor);
     fill_sides(proxies, bodies, executor);
-    fill_manifold_rows(contacts, executor);
+    fill_contact_rows(contacts, executor);
     coloring_.color(contact_rows_, rows_.movable);
     sort_by_points();
     lay_out_bundles();
-    const PrepareInput input{manifold_rows_, contacts.manifolds, contacts.impulses, rows_, soft_, soft_fixed_};
+    fill_lanes(executor);
+    put_rows(contacts, proxies, executor);
+    const PrepareInput input{contacts.manifolds, contacts.impulses, rows_, soft_, soft_fixed_};
     deep_count_ = 0;
     for_bundles(executor, [&](std::span<ContactBundle> some) {
-        for (ContactBundle& bundle : some) fill_lanes(bundle);
         prepare_bundles(some, input);
         std::size_t deep = 0;
         for (const ContactBundle& bundle : some) deep += static_cast<std::size_t>(bundle.deep);
@@ -142,14 +142,13 @@ void ContactSolver::number_rows(const ContactSet& contacts, const BodyArrays& bo
     }
 }
 
-void ContactSolver::fill_rows(const BodyArrays& bodies, Executor& executor) {
-    const std::size_t count = slot_of_row_.size();
-    rows_.bodies.resize(count + 1);
-    rows_.masses.resize(count + 1);
-    rows_.bases.resize(count + 1);
-    is_slender_.assign(static_cast<std::size_t>(rows_.movable), 1);
+void ContactSolver::fill_rows(const ProxySet& proxies, const BodyArrays& bodies, Executor& executor) {
+    const std::size_t count = slot_of_row_.size(), movable = static_cast<std::size_t>(rows_.movable), sides = proxies.by_slot.size();
+    std::byte* room = rows_.resize(count + 1, bytes_of<Side>(sides) + bytes_of<dquat>(movable));
+    sides_ = cut<Side>(room, sides);
+    is_slender_.assign(movable, 1);
     for (const std::uint32_t slot : shared_) is_slender_[static_cast<std::size_t>(row_of_slot_[slot])] = 0;  // joints turn their bodies as the rows do
-    turning_.begin(bodies, slot_of_row_, rows_.movable, settings_.dt, settings_.substeps);
+    turning_.begin(bodies, slot_of_row_, cut<dquat>(room, movable), settings_.dt, settings_.substeps);
     executor.parallel_for(count + 1, kBodyGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
             rows_.bodies[row] = {};
@@ -177,9 +176,7 @@ void ContactSolver::fill_rows(const BodyArrays& bodies, Executor& executor) {
     turning_.finish(rows_);
 }
 
-// What a manifold's row needs of a shape.
 void ContactSolver::fill_sides(const ProxySet& proxies, const BodyArrays& bodies, Executor& executor) {
-    sides_.resize(proxies.by_slot.size());
     executor.parallel_for(sides_.size(), kBodyGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t slot = begin; slot < end; ++slot) {
             if (proxies.kinds[slot] == ProxyKind::None || bodies.roles[proxies.bodies[slot]] == Role::Asleep) continue;
@@ -190,38 +187,58 @@ void ContactSolver::fill_sides(const ProxySet& proxies, const BodyArrays& bodies
 
 ContactSolver::Side ContactSolver::side_of(std::uint32_t slot, const ProxySet& proxies, const BodyArrays& bodies) const {
     const std::uint32_t body = proxies.bodies[slot];
-    const std::int32_t row = row_of_slot_[body];
+    const ProxySurface& surface = proxies.surfaces[slot];
     return {.origin = proxies.poses[slot].position,
             .centre = bodies.states[body].pose.position,
-            .of = proxies.surfaces[slot],
             .push = static_cast<float>(settings_.max_push * proxies.extents[slot] / settings_.dt),
-            .row = row == kNoRow ? static_cast<std::int32_t>(slot_of_row_.size()) : row,
-            .is_static = bodies.roles[body] == Role::Static};
+            .row = row_or_unmoved(body),
+            .friction = surface.surface.friction,
+            .friction_rule = surface.surface.friction_rule,
+            .is_static = bodies.roles[body] == Role::Static,
+            .is_ball = surface.is_ball,
+            .is_compound = surface.compound != nullptr};
 }
 
-void ContactSolver::fill_manifold_rows(const ContactSet& contacts, Executor& executor) {
+void ContactSolver::fill_contact_rows(const ContactSet& contacts, Executor& executor) {
     const std::size_t count = contacts.manifolds.size();
-    contact_rows_.resize(count);
-    kinds_.resize(count);
-    manifold_rows_.resize(count + 1);
-    manifold_rows_[count] = {.row_a = static_cast<std::int32_t>(slot_of_row_.size()),
-                             .row_b = static_cast<std::int32_t>(slot_of_row_.size())};
+    resize_with_room(contact_rows_, count);
+    resize_with_room(kinds_, count);
+    const auto unmoved = static_cast<std::int32_t>(slot_of_row_.size());
     executor.parallel_for(count, kManifoldGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t m = begin; m < end; ++m) {
-            if (contacts.manifolds[m].pair == kNoPair) {
-                manifold_rows_[m] = manifold_rows_[count];
-            } else {
-                const ContactPair& pair = contacts.pairs[contacts.manifolds[m].pair];
-                manifold_rows_[m] = row_of(contacts, static_cast<std::uint32_t>(m), sides_[pair.proxy_a], sides_[pair.proxy_b]);
-            }
-            contact_rows_[m] = {manifold_rows_[m].row_a, manifold_rows_[m].row_b};
-            kinds_[m] = kind_of(manifold_rows_[m]);
+            const std::uint32_t pair = contacts.manifolds[m].pair;
+            contact_rows_[m] = pair == kNoPair ? ContactRows{unmoved, unmoved} : rows_of(contacts.pairs[pair]);
+            kinds_[m] = kind_of(contact_rows_[m], pair == kNoPair ? 0 : contacts.solved_points(static_cast<std::uint32_t>(m)));
         }
     });
 }
 
-ManifoldRow ContactSolver::row_of(const ContactSet& contacts, std::uint32_t number, const Side& a, const Side& b) const {
+ContactRows ContactSolver::rows_of(const ContactPair& pair) const { return {row_or_unmoved(pair.body_a.slot), row_or_unmoved(pair.body_b.slot)}; }
+
+float ContactSolver::friction_of(const Side& side, std::uint32_t proxy, std::uint16_t part, const ProxySet& proxies) const {
+    return side.is_compound ? surface_of_part(proxies.surfaces[proxy].surface, proxies.surfaces[proxy].compound, part).friction : side.friction;
+}
+
+ManifoldRow ContactSolver::unused_row() const noexcept {
+    const auto unmoved = static_cast<std::int32_t>(slot_of_row_.size());
+    return {.row_a = unmoved, .row_b = unmoved};
+}
+
+void ContactSolver::put_rows(const ContactSet& contacts, const ProxySet& proxies, Executor& executor) {
+    executor.parallel_for(contacts.manifolds.size(), kManifoldGrain, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t m = begin; m < end; ++m) {
+            if (places_of_[m] == kNowhere) continue;
+            ContactBundle& bundle = bundles_[places_of_[m] / kLanesPerBundle];
+            const ContactPair& pair = contacts.pairs[contacts.manifolds[m].pair];
+            const ManifoldRow row = row_of(contacts, static_cast<std::uint32_t>(m), sides_[pair.proxy_a], sides_[pair.proxy_b], proxies);
+            put_row(bundle, places_of_[m] % kLanesPerBundle, row);
+        }
+    });
+}
+
+ManifoldRow ContactSolver::row_of(const ContactSet& contacts, std::uint32_t number, const Side& a, const Side& b, const ProxySet& proxies) const {
     const Manifold& manifold = contacts.manifolds[number];
+    const ContactPair& pair = contacts.pairs[manifold.pair];
     ManifoldRow row;
     row.normal[0] = manifold.normal.x, row.normal[1] = manifold.normal.y, row.normal[2] = manifold.normal.z;
     dvec3 origin_a = a.origin - a.centre, origin_b = a.origin - b.centre;
@@ -231,11 +248,9 @@ ManifoldRow ContactSolver::row_of(const ContactSet& contacts, std::uint32_t numb
     set(row.origin_a, origin_a);
     set(row.origin_b, origin_b);
     row.push_limit = std::min(a.push, b.push);  // of the smaller shape
-    const Surface surface_a = surface_of_part(a.of.surface, a.of.compound, manifold.part_a);
-    const Surface surface_b = surface_of_part(b.of.surface, b.of.compound, manifold.part_b);
-    row.friction =
-        combine(surface_a.friction, surface_b.friction, surface_a.friction_rule, surface_b.friction_rule, CombineRule::GeometricMean);
-    row.round = (a.of.is_ball ? 1 : 0) + (b.of.is_ball ? 2 : 0);
+    row.friction = combine(friction_of(a, pair.proxy_a, manifold.part_a, proxies), friction_of(b, pair.proxy_b, manifold.part_b, proxies), a.friction_rule,
+                           b.friction_rule, CombineRule::GeometricMean);
+    row.round = (a.is_ball ? 1 : 0) + (b.is_ball ? 2 : 0);
     if (row.round == 3) {
         const double apart = glm::length(b.centre - a.centre);  // a positive float's bits are a number above 3; concentric balls have no direction to part in
         row.round = std::bit_cast<std::int32_t>(apart > 0.0 ? static_cast<float>(std::clamp(0.5 / apart, 1e-30, 1e30)) : 1e-30f);
@@ -248,11 +263,11 @@ ManifoldRow ContactSolver::row_of(const ContactSet& contacts, std::uint32_t numb
 }
 
 // Of two parts it is the lower one's.
-std::uint8_t ContactSolver::kind_of(const ManifoldRow& row) const {
-    const auto body = static_cast<std::uint32_t>(std::min(row.row_a, row.row_b));
+std::uint8_t ContactSolver::kind_of(ContactRows rows, std::uint32_t points) const {
+    const auto body = static_cast<std::uint32_t>(std::min(rows.a, rows.b));
     std::size_t part = 0;
     for (std::size_t k = 1; k < part_count_; ++k) part += body >= part_rows_[k] ? 1 : 0;
-    return static_cast<std::uint8_t>(part * kKinds + static_cast<std::size_t>(row.count));
+    return static_cast<std::uint8_t>(part * kKinds + points);
 }
 
 void ContactSolver::sort_by_points() {
@@ -284,7 +299,7 @@ void ContactSolver::lay_out_bundles() {
         bundle_count += bundles;
     }
     first_overflow_bundle_ = bundle_count;
-    bundles_.resize(bundle_count + coloring_.overflow_count());
+    resize_with_room(bundles_, bundle_count + coloring_.overflow_count());
     lanes_.resize(bundles_.size());
     for (std::size_t c = 0; c + 1 < starts.size(); ++c) {
         for (std::uint32_t b = 0; b < colors_[c].count; ++b) {
@@ -303,18 +318,30 @@ void ContactSolver::deal_out_points() {
     std::size_t sum = 0;
     for (std::size_t b = 0; b < bundles_.size(); ++b) {
         for (std::uint32_t i = lanes_[b].begin; i < lanes_[b].end; ++i)
-            most[b] = std::max(most[b], static_cast<std::uint32_t>(kinds_[lane_order_[i]] % kKinds));
+            most[b] = std::max(most[b], static_cast<std::uint32_t>(points_of(lane_order_[i])));
         sum += most[b];
     }
-    points_.resize(sum);
+    resize_with_room(points_, sum);
     PointLanes* next = points_.data();
     for (std::size_t b = 0; b < bundles_.size(); ++b) next = (bundles_[b].points = next) + most[b];
 }
 
-void ContactSolver::fill_lanes(ContactBundle& bundle) const {
-    const Lanes lanes = lanes_[static_cast<std::size_t>(&bundle - bundles_.data())];
-    bundle.manifold.fill(kUnusedLane);
-    std::copy(lane_order_.begin() + lanes.begin, lane_order_.begin() + lanes.end, bundle.manifold.begin());
+void ContactSolver::fill_lanes(Executor& executor) {
+    places_of_.assign(contact_rows_.size(), kNowhere);
+    executor.parallel_for(bundles_.size(), kBundlesAtOnce, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t b = begin; b < end; ++b) {
+            ContactBundle& bundle = bundles_[b];
+            const std::size_t count = lanes_[b].end - lanes_[b].begin;
+            for (std::size_t lane = 0; lane < count; ++lane) {
+                bundle.manifold[lane] = lane_order_[lanes_[b].begin + lane];
+                places_of_[bundle.manifold[lane]] = static_cast<Place>(b * kLanesPerBundle + lane);
+            }
+            for (std::size_t lane = count; lane < kLanesPerBundle; ++lane) {
+                bundle.manifold[lane] = kUnusedLane;
+                put_row(bundle, lane, unused_row());
+            }
+        }
+    });
 }
 
 // Each thread those of its part, colour by colour. So few at a time that they are in the cache when `work` comes back to them.
@@ -361,20 +388,7 @@ void ContactSolver::store(BodyArrays& bodies, ContactSet& contacts, Executor& ex
     slender_.store(bodies);
     turning_.store(bodies);
     for_bundles(executor, [&](std::span<ContactBundle> some) { store_impulses(some, contacts.impulses); });
-}
-
-bool ContactSolver::is_roomy() const noexcept {
-    return dynamics::is_roomy(bundles_.capacity(), bundles_.size());  // of points, how many there are depends on the number of threads
-}
-
-void ContactSolver::trim() {
-    is_whole_ = false;
-    trim_scratch(bundles_);
-    trim_scratch(points_);
-    trim_scratch(manifold_rows_);
-    trim_scratch(contact_rows_);
-    trim_scratch(kinds_);
-    trim_scratch(lane_order_);
+    rows_.release();
 }
 
 }  // namespace carom::dynamics

@@ -26,6 +26,8 @@
 
 #include <array>
 #include <cstdint>
+#include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -45,6 +47,9 @@ struct SolverSettings {
 
 class ContactSolver {
 public:
+    /// @param pool  for what is needed from prepare() or resume() to store().
+    explicit ContactSolver(ScratchPool& pool) noexcept : rows_(pool) {}
+
     /// Takes in the contacts and the bodies they touch, colours the manifolds and fills the bundles.
     /// @param held  by slot: 1 for bodies that others have moved in this step, whose contacts are left out; empty where there are none.
     void prepare(const ContactSet& contacts, std::span<const unsigned char> held, const ProxySet& proxies, const BodyArrays& bodies,
@@ -75,7 +80,7 @@ public:
     /// Gives the manifolds of the last step the separations that it left them with. It must have had a Relax pass.
     void carry_gaps(std::span<Manifold> manifolds, Executor& executor);
 
-    /// Writes the bodies' new states and the contacts' impulses back.
+    /// Writes the bodies' new states and the contacts' impulses back. There are no rows after that.
     void store(BodyArrays& bodies, ContactSet& contacts, Executor& executor);
 
     /// Gives memory back where much more is held than the last step needed (room.hpp).
@@ -93,15 +98,19 @@ public:
 
 private:
     static constexpr std::int32_t kNoRow = -1;
+    static constexpr std::int32_t kKinds = kMaxManifoldPoints + 1;  // of manifolds of a part
 
-    struct Side {
+    /// What a manifold's row needs of a shape: one cache line.
+    struct alignas(64) Side {
         dvec3 origin{0.0};  ///< of the shape in the world
         dvec3 centre{0.0};  ///< of mass of its body
-        ProxySurface of;
-        float push = 0.0f;     ///< overlap of its contacts is removed at this speed at most [m/s]
+        float push = 0.0f;  ///< overlap of its contacts is removed at this speed at most [m/s]
         std::int32_t row = 0;
-        bool is_static = false;
+        float friction = 0.0f;
+        std::optional<CombineRule> friction_rule;
+        bool is_static : 1 = false, is_ball : 1 = false, is_compound : 1 = false;
     };
+    static_assert(sizeof(Side) == 64);
     /// Of a bundle, in lane_order_.
     struct Lanes {
         std::uint32_t begin = 0, end = 0;
@@ -120,28 +129,37 @@ private:
     void free_lane(std::uint32_t manifold);
     [[nodiscard]] std::size_t best_lane(std::uint32_t color, std::int32_t points) const;
     void move_up(std::uint32_t manifold);
-    void fill_moves(const ContactSet& contacts, Executor& executor);
-    void fill_group(std::size_t first, std::size_t count, const PrepareInput& input);
+    void fill_moves(const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies, Executor& executor);
+    void fill_group(std::size_t first, std::size_t count, const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies);
     void order_moves();
     void make_room(ContactBundle& bundle, std::int32_t points);
     [[nodiscard]] bool goes_on(std::span<const unsigned char> held, const SolverSettings& settings) const;
-    void fill_changed_rows(const ContactSet& contacts, const ContactChanges& changes, const ProxySet& proxies, const BodyArrays& bodies, Executor& executor);
+    void fill_changed_rows(const ContactSet& contacts, const ContactChanges& changes, Executor& executor);
     [[nodiscard]] Side side_of(std::uint32_t slot, const ProxySet& proxies, const BodyArrays& bodies) const;
     void mark_rows(const ContactSet& contacts, std::span<const unsigned char> held, const BodyArrays& bodies);
     void number_rows(const ContactSet& contacts, const BodyArrays& bodies);
     void begin_rows(const ProxySet& proxies, const BodyArrays& bodies, Executor& executor);
-    void fill_rows(const BodyArrays& bodies, Executor& executor);
+    void fill_rows(const ProxySet& proxies, const BodyArrays& bodies, Executor& executor);
     void fill_sides(const ProxySet& proxies, const BodyArrays& bodies, Executor& executor);
-    void fill_manifold_rows(const ContactSet& contacts, Executor& executor);
-    [[nodiscard]] ManifoldRow row_of(const ContactSet& contacts, std::uint32_t number, const Side& a, const Side& b) const;
+    void fill_contact_rows(const ContactSet& contacts, Executor& executor);
+    [[nodiscard]] ContactRows rows_of(const ContactPair& pair) const;
+    [[nodiscard]] std::int32_t row_or_unmoved(std::uint32_t body) const noexcept {
+        return row_of_slot_[body] == kNoRow ? static_cast<std::int32_t>(slot_of_row_.size()) : row_of_slot_[body];
+    }
+    [[nodiscard]] float friction_of(const Side& side, std::uint32_t proxy, std::uint16_t part, const ProxySet& proxies) const;
+    [[nodiscard]] ManifoldRow row_of(const ContactSet& contacts, std::uint32_t number, const Side& a, const Side& b, const ProxySet& proxies) const;
     /// Within a colour the order is free: manifolds of as many points share bundles, so that few lanes idle, and those of like bodies lie in
     /// one part of it, so that a thread finds most of its bodies where it left them.
     void sort_by_points();
-    [[nodiscard]] std::uint8_t kind_of(const ManifoldRow& row) const;
+    [[nodiscard]] std::uint8_t kind_of(ContactRows rows, std::uint32_t points) const;
+    [[nodiscard]] std::int32_t points_of(std::uint32_t manifold) const noexcept { return kinds_[manifold] % kKinds; }
     void lay_out_bundles();
     /// Gives each bundle as many points as one of its lanes has.
     void deal_out_points();
-    void fill_lanes(ContactBundle& bundle) const;
+    void fill_lanes(Executor& executor);
+    /// Of all manifolds that have a lane.
+    void put_rows(const ContactSet& contacts, const ProxySet& proxies, Executor& executor);
+    [[nodiscard]] ManifoldRow unused_row() const noexcept;
     /// Calls `work` for all bundles, some at a time, from several threads.
     void for_bundles(Executor& executor, FunctionRef<void(std::span<ContactBundle> some)> work);
     enum class Work : unsigned char { Kick, Damp, Precess, Show, WarmStart, WarmStartRest, Solve, SolveRest, Advance, Swing, Hide };
@@ -179,8 +197,7 @@ private:
     std::size_t part_count_ = 1;
     std::array<std::uint32_t, BodyParts::kMostParts + 1> part_rows_{}, all_parts_{};  // first row of each part, and the end: without kinematic bodies and with them
     std::vector<std::uint32_t> color_parts_;    // of each colour, the first bundle of each part, counted from its own first, and the end
-    std::vector<Side> sides_;                  // by slot of shapes
-    std::vector<ManifoldRow> manifold_rows_;   // and one for unused lanes
+    std::span<Side> sides_;                    // by slot of shapes, behind the rows
     std::vector<ContactRows> contact_rows_;    // per manifold
     std::vector<std::uint8_t> kinds_;          // per manifold: its part and number of points
     Coloring coloring_;
@@ -190,14 +207,15 @@ private:
     std::vector<Lanes> lanes_;                 // of each bundle
     std::vector<ContactBundle> bundles_;
     std::vector<PointLanes> points_;           // of the bundles, in their order
-    std::vector<std::array<PointLanes, kMaxManifoldPoints>> more_points_;  // room for those that get more than they were laid out with
-    std::size_t room_made_ = 0;                // how much of that is taken
+    using MorePoints = std::array<PointLanes, kMaxManifoldPoints>;
+    std::vector<std::unique_ptr<MorePoints>> more_points_;  // room for bundles that get more than they were laid out with
+    std::size_t room_made_ = 0, most_room_ = 0;             // how much of that is taken, and may be
     std::uint32_t first_overflow_bundle_ = 0;  // these are solved one after the other
     std::size_t deep_count_ = 0;
     std::size_t point_count_ = 0;
     bool is_whole_ = false;                                    // what is in the bundles is all that the bodies of the rows have
     bool places_known_ = false;                                // those below are of what is in the bundles
-    std::vector<Place> places_of_;                             // by manifold, of those in a lane
+    std::vector<Place> places_of_;                             // by manifold; kNowhere where it has no lane
     std::vector<std::vector<Place>> free_;                     // by colour
     std::vector<std::uint8_t> color_of_bundle_;
     std::vector<std::uint32_t> contacts_of_row_;               // of rows that move

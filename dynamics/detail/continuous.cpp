@@ -1,6 +1,7 @@
 #include <carom/dynamics/detail/continuous.hpp>
 
 #include <carom/broadphase/queries.hpp>
+#include <carom/dynamics/detail/room.hpp>
 #include <carom/dynamics/detail/slender.hpp>
 #include <carom/dynamics/detail/strays.hpp>
 
@@ -41,10 +42,16 @@ void Continuous::begin(std::uint32_t slot, Continuity continuity) {
     wishes_[slot] = continuity;
 }
 
-void Continuous::prepare(std::size_t slots) {
-    ++step_;
-    departures_.resize(slots);
+void Continuous::prepare(std::size_t slots, std::span<const std::uint32_t> free) {
+    departure_of_slot_.resize(slots, 0);
+    departures_.resize(free.size());
+    for (std::uint32_t k = 0; k < free.size(); ++k) {
+        departures_[k].slot = free[k];
+        departure_of_slot_[free[k]] = k;
+    }
 }
+
+void Continuous::trim() { trim_kept(departures_); }
 
 void Continuous::list_bodies(const ContinuousScene& scene) {
     const std::size_t slots = scene.bodies.roles.size();
@@ -76,8 +83,9 @@ double Continuous::way_of(const ContinuousScene& scene, std::uint32_t slot) cons
     const BodyState& state = scene.bodies.states[slot];
     const double reach = scene.bodies.roles[slot] == Role::Kinematic && has_plane(scene, slot) ? std::numeric_limits<double>::max() : sizes_[slot].reach;
     const double motion = motion_of(scene.start(slot), state, reach, scene.dt);
-    if (departures_[slot].step != step_) return motion;
-    const BodyState& start = departures_[slot].start;  // there and back is far too
+    const Departure* const departure = departure_of(slot);
+    if (departure == nullptr) return motion;
+    const BodyState& start = departure->start;  // there and back is far too
     const double way = std::max(glm::length(start.velocity), glm::length(state.velocity)) * scene.dt;
     return std::max(motion, way + reach * std::min(glm::length(start.spin) * scene.dt, 2.0));
 }
@@ -92,7 +100,7 @@ bool Continuous::is_fast(const ContinuousScene& scene, std::uint32_t slot) const
     const Continuity wish = continuity(slot);
     if (!moves(role) || wish == Continuity::Never || first_proxy_[slot] == first_proxy_[slot + 1]) return false;
     const BodySize& size = sizes_[slot];
-    if (role == Role::Dynamic && wish == Continuity::Automatic && departures_[slot].step != step_) {  // most bodies, without a root: (x + y)² <= 2 (x² + y²)
+    if (role == Role::Dynamic && wish == Continuity::Automatic && departure_of(slot) == nullptr) {  // most bodies, without a root: (x + y)² <= 2 (x² + y²)
         const BodyState& state = scene.bodies.states[slot];
         const dvec3 way = state.pose.position - scene.start(slot).position;
         const double turn = size.reach * scene.dt, least = settings_.motion * size.extent;
@@ -138,7 +146,7 @@ void Continuous::record(const ContinuousScene& scene, StepPaths& paths) {
         body.start = body.moved;
         body.start.pose = moves(body.role) ? scene.start(slot) : body.moved.pose;
         body.flies = flies(scene, slot);
-        if (body.flies) body.start = departures_[slot].start;
+        if (body.flies) body.start = departure_of(slot)->start;
         body.motion = scene.free_motion(slot);
         body.mass = scene.bodies.masses[slot];
         body.follow = finding_of(scene, slot);
@@ -150,14 +158,14 @@ void Continuous::record(const ContinuousScene& scene, StepPaths& paths) {
 // slows it as well. What flew has not been turned at all.
 bool Continuous::slow_down(const ContinuousScene& scene, std::uint32_t slot) {
     const bool flew = flies(scene, slot);
-    BodyState slower = flew ? departures_[slot].start : scene.bodies.states[slot];
+    BodyState slower = flew ? departure_of(slot)->start : scene.bodies.states[slot];
     const double spin = glm::length(slower.spin);
     if (scene.bodies.roles[slot] != Role::Dynamic || !(spin * scene.dt > kMostTurn && spin <= kMostSpeed)) return false;
     slower.spin *= kSlowedTurn / (spin * scene.dt);
     const BodyState start = slower;
     if (flew) integrate_free(slower, scene.bodies.masses[slot], scene.free_motion(slot), scene.dt);
     if (!is_usable(slower, scene.dt)) return false;
-    if (flew) departures_[slot].start = start, departures_[slot].end = slower.pose.position;
+    if (flew) depart(slot, start), arrive(slot, slower);
     scene.bodies.states[slot] = slower;
     return true;
 }
@@ -240,8 +248,8 @@ BodyState Continuous::state_at(const ContinuousScene& scene, const Mover& mover,
 
 // Bodies that bounced have been moved since.
 bool Continuous::flies(const ContinuousScene& scene, std::uint32_t slot) const {
-    const Departure& departure = departures_[slot];
-    return departure.step == step_ && moves(scene.bodies.roles[slot]) && departure.end == scene.bodies.states[slot].pose.position;
+    const Departure* const departure = departure_of(slot);
+    return departure != nullptr && moves(scene.bodies.roles[slot]) && departure->end == scene.bodies.states[slot].pose.position;
 }
 
 PathSettings path_settings(const BodySize& size, double dt) {
@@ -276,7 +284,7 @@ std::uint32_t Continuous::mover_of(const ContinuousScene& scene, std::uint32_t s
     mover.version = 0;  // the path keeps its memory
     if (flies(scene, slot)) {
         mover.flies = true;
-        mover.flight = {departures_[slot].start, scene.free_motion(slot)};
+        mover.flight = {departure_of(slot)->start, scene.free_motion(slot)};
     } else {
         mover.flight = {};
     }
@@ -297,13 +305,14 @@ bool Continuous::keep_company(const ContinuousScene& scene, std::uint32_t slot_a
     const dvec3 came = way(slot_a) - way(slot_b);
     if (glm::dot(came, came) > (1.0 + 0x1p-40) * limit * limit) return false;  // without a root
     double motion = std::max(glm::length(came), glm::length(a.velocity - b.velocity) * scene.dt);
-    const auto flew = [&](std::uint32_t slot) { return departures_[slot].step == step_; };
-    if (flew(slot_a) || flew(slot_b)) {
-        const dvec3 from_a = flew(slot_a) ? departures_[slot_a].start.velocity : a.velocity, from_b = flew(slot_b) ? departures_[slot_b].start.velocity : b.velocity;
+    const Departure *const flew_a = departure_of(slot_a), *const flew_b = departure_of(slot_b);
+    if (flew_a != nullptr || flew_b != nullptr) {
+        const dvec3 from_a = flew_a != nullptr ? flew_a->start.velocity : a.velocity, from_b = flew_b != nullptr ? flew_b->start.velocity : b.velocity;
         motion = std::max(motion, glm::length(from_a - from_b) * scene.dt);
     }
     for (const std::uint32_t slot : {slot_a, slot_b}) {
-        const double spin = std::max(glm::length(scene.bodies.states[slot].spin), flew(slot) ? glm::length(departures_[slot].start.spin) : 0.0);
+        const Departure* const flew = slot == slot_a ? flew_a : flew_b;
+        const double spin = std::max(glm::length(scene.bodies.states[slot].spin), flew != nullptr ? glm::length(flew->start.spin) : 0.0);
         if (spin == 0.0) continue;
         double reach = sizes_[slot].reach;
         if (roles[slot] == Role::Kinematic && has_plane(scene, slot)) {  // as far from what it turns about as the other may come

@@ -1,6 +1,6 @@
 // The continuous stage: bodies that moved far are followed along the paths that the solver gave them, and meet what is in their way.
 //
-//   continuous.prepare(slots);                       // before the free bodies move
+//   continuous.prepare(slots, free);                 // before the free bodies move
 //   continuous.depart(slot, state); ...; continuous.arrive(slot, state);
 //   if (continuous.look(scene)) continuous.run(scene);   // after everybody has moved
 //
@@ -71,13 +71,12 @@ public:
     /// The shapes of some body are others.
     void note_shapes() noexcept { sizes_known_ = false; }
 
-    /// Before the step's bodies move by themselves: depart() and arrive() of different bodies may then come from different threads.
-    void prepare(std::size_t slots);
-    void depart(std::uint32_t slot, const BodyState& state) noexcept { departures_[slot].start = state; }
-    void arrive(std::uint32_t slot, const BodyState& state) noexcept {
-        departures_[slot].end = state.pose.position;
-        departures_[slot].step = step_;
-    }
+    /// Before the step's bodies move by themselves: those in the slots `free`, of which different ones may then depart() and arrive() on different threads.
+    void prepare(std::size_t slots, std::span<const std::uint32_t> free);
+    void depart(std::uint32_t slot, const BodyState& state) noexcept { departures_[departure_of_slot_[slot]].start = state; }
+    void arrive(std::uint32_t slot, const BodyState& state) noexcept { departures_[departure_of_slot_[slot]].end = state.pose.position; }
+    /// Gives memory back where much more is held than the last step needed (room.hpp).
+    void trim();
 
     /// @return whether any body is to be followed. Cost: a few comparisons a body.
     [[nodiscard]] bool look(const ContinuousScene& scene);
@@ -99,8 +98,13 @@ private:
     struct Departure {
         BodyState start;
         dvec3 end{0.0};
-        std::uint64_t step = 0;
+        std::uint32_t slot = 0;
     };
+    /// Of the body, where it moved by itself in this step; otherwise null.
+    [[nodiscard]] const Departure* departure_of(std::uint32_t slot) const noexcept {
+        const std::uint32_t number = slot < departure_of_slot_.size() ? departure_of_slot_[slot] : kNone;
+        return number < departures_.size() && departures_[number].slot == slot ? &departures_[number] : nullptr;
+    }
     /// A body that is followed, or that is near one.
     struct Mover {
         std::uint32_t slot = 0;
@@ -184,8 +188,8 @@ private:
     std::vector<std::uint32_t> proxies_;       // of all bodies
     double smallest_ = 0.0;                    // extent of a dynamic body [m]
     bool sizes_known_ = false;
-    std::vector<Departure> departures_;        // by slot
-    std::uint64_t step_ = 0;
+    std::vector<Departure> departures_;        // at rest there are few
+    std::vector<std::uint32_t> departure_of_slot_;  // of those that have one; of others any number
 
     std::vector<std::uint32_t> fast_;          // slots
     std::vector<unsigned char> is_fast_;       // by slot

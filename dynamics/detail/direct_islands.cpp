@@ -164,24 +164,28 @@ void DirectIslands::put_down(const Island& island, const DirectWorld& world, con
 bool DirectIslands::analyse(Memory& memory, const Island& island, const DirectWorld& world, std::size_t budget) {
     const std::span<const std::uint32_t> bodies = links_.bodies(island), manifolds = links_.manifolds(island);
     for (std::size_t i = 0; i < bodies.size(); ++i) local_of_slot_[bodies[i]] = static_cast<std::int32_t>(i);
-    new_links_.clear();
-    std::size_t joints = 0;
-    for (const std::uint32_t m : manifolds) {
+    const auto link_of = [&](std::uint32_t m) {
         const ContactPair& pair = world.contacts.pairs[world.contacts.manifolds[m].pair];
-        const std::int32_t a = local_of_slot_[pair.body_a.slot], b = local_of_slot_[pair.body_b.slot];
-        new_links_.push_back({a, b, world.contacts.solved_points(m)});
-        joints += a != kNoBody && b != kNoBody ? 1 : 0;
+        return ContactLink{local_of_slot_[pair.body_a.slot], local_of_slot_[pair.body_b.slot], world.contacts.solved_points(m)};
+    };
+    std::size_t joints = 0;
+    for (const std::uint32_t m : manifolds) joints += link_of(m).a != kNoBody && link_of(m).b != kNoBody ? 1 : 0;
+    const bool has_shrunk = kShrunk * bodies.size() < (kShrunk - 1) * memory.refused_bodies || kShrunk * joints < (kShrunk - 1) * memory.refused_joints;
+    const bool is_large = std::max(bodies.size(), joints) > budget / kLeastOperations;
+    if (is_large || (step_ < memory.refused_until && !has_shrunk)) {  // never of what is analysed and the same still; its links are not listed
+        memory.analysed = false;
+        return false;
     }
+    new_links_.clear();
+    for (const std::uint32_t m : manifolds) new_links_.push_back(link_of(m));
     const bool known = memory.analysed && std::ranges::equal(memory.slots, bodies) && memory.links == new_links_;
     if (known) return true;
     memory.analysed = false;
-    if (bodies.size() > budget / kLeastOperations || joints > budget / kLeastOperations) return false;
-    const bool has_shrunk = kShrunk * bodies.size() < (kShrunk - 1) * memory.refused_bodies || kShrunk * joints < (kShrunk - 1) * memory.refused_joints;
-    if (step_ < memory.refused_until && !has_shrunk) return false;
     const std::size_t orders = memory.newton.orders();
     memory.analysed = memory.newton.analyse(bodies.size(), new_links_, budget);
     counts_.ordered += memory.newton.orders() - orders;
     if (!memory.analysed) {
+        std::vector<ContactLink>().swap(new_links_);  // it was long, and there will not be another such one soon
         memory.refused_until = step_ + kLongestRefusal;
         memory.refused_bodies = bodies.size(), memory.refused_joints = joints;
         return false;

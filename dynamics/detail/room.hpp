@@ -18,6 +18,18 @@ inline constexpr std::size_t kTrimEvery = 64;
 /// Whether so much more is held than is in use that it is worth a new allocation.
 [[nodiscard]] constexpr bool is_roomy(std::size_t capacity, std::size_t size) noexcept { return capacity > size + size / 4 + 32; }
 
+/// Where there is no room for so many, an eighth more than they need: standard vectors double.
+template <class T>
+void resize_with_room(std::vector<T>& list, std::size_t size) {
+    if (list.capacity() < size) list.reserve(with_room(size));
+    list.resize(size);
+}
+template <class T>
+T& append_with_room(std::vector<T>& list) {
+    resize_with_room(list, list.size() + 1);
+    return list.back();
+}
+
 /// Keeps what is in the list, which moves.
 template <class T>
 void trim_kept(std::vector<T>& list) {

@@ -43,8 +43,7 @@ double turning_limit(const BodyMass& mass, double dt) noexcept {
     return std::min(TurningRows::kMostChange / change, std::max(kFarTurn, kLeastChange / change)) / dt;
 }
 
-void TurningRows::begin(const BodyArrays& bodies, std::span<const std::uint32_t> slot_of_row, std::int32_t movable, double dt,
-                        int substeps) {
+void TurningRows::begin(const BodyArrays& bodies, std::span<const std::uint32_t> slot_of_row, std::span<dquat> room, double dt, int substeps) {
     bodies_ = &bodies;
     slot_of_row_ = slot_of_row;
     dt_ = dt;
@@ -52,8 +51,8 @@ void TurningRows::begin(const BodyArrays& bodies, std::span<const std::uint32_t>
     h_ = dt / substeps;
     last_renewed_ = 0;
     renewed_.assign(slot_of_row.size() + 1, 0);
-    waited_.assign(static_cast<std::size_t>(movable), kSlow);
-    orientations_.resize(static_cast<std::size_t>(movable));
+    waited_.assign(room.size(), kSlow);
+    orientations_ = room;
 }
 
 void TurningRows::ignore(SolverMass& mass) noexcept { mass.others[3] = kNever; }

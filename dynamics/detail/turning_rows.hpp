@@ -27,7 +27,8 @@ public:
     static constexpr double kMostChange = 0.1;
 
     /// Before the rows are filled.
-    void begin(const BodyArrays& bodies, std::span<const std::uint32_t> slot_of_row, std::int32_t movable, double dt, int substeps);
+    /// @param room  (movable,) until store()
+    void begin(const BodyArrays& bodies, std::span<const std::uint32_t> slot_of_row, std::span<dquat> room, double dt, int substeps);
     /// Puts the limit of a row's spin beside its inertia. @return whether the body is above it from the start: its kick has no gyroscopic change then.
     bool watch(std::size_t row, SolverMass& mass);
     /// Of a row that is none of these.
@@ -64,7 +65,7 @@ private:
     std::span<const std::uint32_t> slot_of_row_;
     std::vector<unsigned char> renewed_;
     std::vector<std::int16_t> waited_;  // by row: substeps since the body turned last; kSlow where it does not
-    std::vector<dquat> orientations_;   // by row, of those that do, as they turned last
+    std::span<dquat> orientations_;     // by row, of those that do, as they turned last
     double dt_ = 0.0, h_ = 0.0;
     int substeps_ = 0;
     std::vector<Block> blocks_;  // of kBlock rows

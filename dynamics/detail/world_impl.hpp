@@ -221,11 +221,10 @@ struct World::Impl {
     dynamics::CandidateNames names;
     CollideScratch collide_scratch;
     dynamics::ContactSet contacts;
-    dynamics::CarriedContacts previous;    // of the step before
+    dynamics::ScratchPool scratch;         // of stages
+    dynamics::ScratchList<NumberedPair> looked{scratch};  // candidates that are looked at where contacts are kept
+    dynamics::CarriedContacts previous{scratch};  // of the step before, while those of this one are found
     std::vector<Manifold> last_manifolds;  // of the step before, where pairs of it may be carried along; else empty
-    std::vector<NumberedPair> looked;  // candidates that are looked at where contacts are kept, and what they are
-    std::vector<dynamics::ContactPair> looked_pairs;
-    std::vector<Manifold> found_anew;
     dynamics::ContactChanges contact_changes;
     bool contacts_hold = false;   // those of the last step, but for what its motion changed
     bool contacts_held = false;   // so it was when this step began
@@ -237,7 +236,8 @@ struct World::Impl {
     dynamics::Impacts impacts;
     dynamics::DirectIslands direct;
     dynamics::ResidualMeter residual;  // empty unless WorldDef::report_residual
-    dynamics::ContactSolver solver;
+    dynamics::ContactSolver solver{scratch};
+    std::vector<std::uint32_t> free_bodies;  // slots, of the step: those that no contact and no joint holds, and the kinematic ones
     dynamics::Continuous continuous;
     dynamics::StepPaths paths;         // empty unless WorldDef::record_paths
     dynamics::Sleepers sleepers;

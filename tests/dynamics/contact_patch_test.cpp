@@ -87,7 +87,15 @@ TEST(ContactPatch, IsTheSetThatIsMadeAnew) {
             }
             std::map<std::uint64_t, std::uint32_t> first_before;
             for (const ContactPair& pair : set.pairs) first_before[pair.key] = pair.first_manifold;
-            patch_contacts(set, looked, found, [&](const ContactPair& pair) { return ended.contains(pair.key); }, changes, executor);
+            const auto may_end = [&](const ContactPair& pair) { return ended.contains(pair.key); };
+            ContactPatch patch(set, may_end, changes);
+            std::size_t next = 0;
+            for (std::size_t k = 0; k < looked.size(); ++k) {
+                const std::size_t first = next;
+                while (next < found.size() && found[next].pair == k) ++next;
+                patch.take(looked[k], std::span{found}.subspan(first, next - first));
+            }
+            patch.finish(executor);
 
             ASSERT_EQ(set.pairs.size(), expected.size());
             std::size_t i = 0, in_use = 0;

@@ -19,8 +19,9 @@ Manifold manifold_of(std::uint32_t pair, std::initializer_list<std::uint64_t> fe
 }
 
 CarriedContacts carried(const ContactSet& set) {
+    static ScratchPool pool;
     SerialExecutor executor;
-    CarriedContacts out;
+    CarriedContacts out(pool);
     out.take(set, executor);
     return out;
 }
@@ -154,11 +155,12 @@ TEST(CarriedContacts, AreTheSameOnAnyThreadsAndTakeAQuarterOfTheContacts) {
         ContactPair pair;
         pair.key = 2 * candidate;
         return pair;
-    }, {}, 1.0f, serial);
+    }, carried({}), 1.0f, serial);
     for (std::size_t m = 0; m < manifolds.size(); ++m) set.impulses[m][1].normal = static_cast<float>(m);
     for (const auto& [name, how] : test::odd_ways()) {
         test::OddExecutor executor(3, how);
-        CarriedContacts out;
+        ScratchPool pool;
+        CarriedContacts out(pool);
         out.take(set, executor);
         ASSERT_EQ(out.pairs().size(), set.pairs.size()) << name;
         std::size_t m = 0;

@@ -51,5 +51,18 @@ TEST(Room, AFewAreNotWorthIt) {
     EXPECT_EQ(list.capacity(), 32u);
 }
 
+TEST(Room, AListThatGrowsHasAnEighthToSpare) {
+    std::vector<int> list;
+    resize_with_room(list, 800);
+    EXPECT_EQ(list.size(), 800u);
+    EXPECT_EQ(list.capacity(), 900u);
+    for (int i = 0; i < 101; ++i) append_with_room(list) = i;
+    EXPECT_EQ(list.back(), 100);
+    EXPECT_EQ(list[799], 0);
+    EXPECT_EQ(list.capacity(), with_room(901));
+    resize_with_room(list, 10);
+    EXPECT_EQ(list.capacity(), with_room(901)) << "trimmed by others";
+}
+
 }  // namespace
 }  // namespace carom::dynamics

@@ -339,6 +339,34 @@ TEST(AllPairs, TheBatchGivesTheBitsOfSingleCallsOnAnyNumberOfThreadsAtEveryWidth
     std::vector<Manifold> none(2);
     collide(std::span<const ShapePair>{}, serial, scratch, none);
     EXPECT_TRUE(none.empty());
+
+    // Pair by pair, as many as there are blocks of.
+    std::vector<const Shape*> shapes;
+    std::vector<Pose> poses;
+    std::vector<NumberedPair> numbered;
+    for (const ShapePair& pair : pairs) {
+        const auto a = static_cast<std::uint32_t>(shapes.size());
+        shapes.insert(shapes.end(), {pair.a, pair.b}), poses.insert(poses.end(), {pair.pose_a, pair.pose_b});
+        numbered.push_back({a, a + 1, pair.margin});
+    }
+    const PlacedShapes placed{shapes, poses};
+    std::vector<Manifold> all;
+    const CollideCounts want = collide(placed, numbered, serial, scratch, all);
+    for (Executor* executor : {static_cast<Executor*>(&serial), static_cast<Executor*>(&threads)}) {
+        std::size_t next = 0, taken = 0;
+        const CollideCounts counts = collide(placed, numbered, *executor, scratch, [&](std::size_t pair, std::span<const Manifold> manifolds) {
+            ASSERT_EQ(pair, next++);
+            for (const Manifold& manifold : manifolds) {
+                ASSERT_EQ(manifold.pair, pair);
+                ASSERT_EQ(std::memcmp(&manifold, &single[taken++], sizeof(Manifold)), 0);
+            }
+        });
+        EXPECT_EQ(next, pairs.size());
+        EXPECT_EQ(taken, single.size());
+        EXPECT_EQ(counts.undecided, want.undecided);
+    }
+    numbered.back().margin = -1.0f;
+    EXPECT_THROW(collide(placed, numbered, serial, scratch, [](std::size_t, std::span<const Manifold>) { FAIL() << "nothing is looked at"; }), MisuseError);
 }
 
 }  // namespace

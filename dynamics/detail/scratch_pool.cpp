@@ -1,0 +1,60 @@
+#include <carom/dynamics/detail/scratch_pool.hpp>
+
+#include <carom/dynamics/detail/room.hpp>
+
+#include <algorithm>
+#include <new>
+
+namespace carom::dynamics {
+namespace {
+
+constexpr std::size_t kFew = 65536;  // [bytes] that are not worth a new allocation
+
+}  // namespace
+
+ScratchPool::Block ScratchPool::take(std::size_t size) {
+    auto best = free_.end();
+    for (auto block = free_.begin(); block != free_.end(); ++block) {
+        if (block->size >= size && (best == free_.end() || block->size < best->size)) best = block;
+    }
+    Block out;
+    if (best != free_.end()) {
+        out = *best;
+        free_.erase(best);
+    } else {
+        const auto largest = std::ranges::max_element(free_, {}, &Block::size);
+        if (largest != free_.end()) {
+            free(*largest);
+            free_.erase(largest);
+        }
+        free_.reserve(free_.size() + 1);
+        out.size = with_room(size);
+        out.data = static_cast<std::byte*>(::operator new(out.size, std::align_val_t{kAlignment}));
+        held_ += out.size;
+    }
+    taken_ += out.size;
+    most_taken_ = std::max(most_taken_, taken_);
+    return out;
+}
+
+void ScratchPool::give_back(Block block) noexcept {
+    taken_ -= block.size;
+    free_.push_back(block);
+}
+
+void ScratchPool::trim() noexcept {
+    if (held_ > most_taken_ + most_taken_ / 4 + kFew) drop();
+    most_taken_ = taken_;
+}
+
+void ScratchPool::drop() noexcept {
+    for (const Block block : free_) free(block);
+    free_.clear();
+}
+
+void ScratchPool::free(Block block) noexcept {
+    held_ -= block.size;
+    ::operator delete(block.data, std::align_val_t{kAlignment});
+}
+
+}  // namespace carom::dynamics
