@@ -37,6 +37,7 @@
 
 #include <cstdint>
 #include <span>
+#include <type_traits>
 
 namespace carom::geo {
 
@@ -115,13 +116,26 @@ struct MeshImpact : Impact {
 [[nodiscard]] MeshImpact sweep(const Sphere<double>& a, const Vec3<double>& motion, const TriangleMesh& b);
 [[nodiscard]] MeshImpact sweep(const Capsule<double>& a, const Vec3<double>& motion, const TriangleMesh& b);
 
-/// Batches: a[i] by motions[i] against b[i], each as the single call. For every pair of types above but meshes.
+/// The batches of spheres against what kernels take several of at once. Spans of one length.
+template <class T, class B>
+void sweep_spheres(std::span<const Sphere<T>> a, std::span<const Vec3<T>> motions, std::span<const B> b, std::span<BasicImpact<T>> out) noexcept;
+/// What sweep_spheres() takes.
+template <class B, class T>
+inline constexpr bool kSweptInLanes = std::is_same_v<B, Plane<T>> || std::is_same_v<B, Sphere<T>> || std::is_same_v<B, Capsule<T>> ||
+                                      std::is_same_v<B, Aabb<T>> || std::is_same_v<B, Obb<T>> || std::is_same_v<B, Triangle<T>>;
+
+/// Batches: a[i] by motions[i] against b[i], the same bits as of the single call. For every pair of types above but meshes.
+/// Spheres against planes, spheres, capsules, boxes and triangles are taken several at once.
 /// @param motions, b, out  (n,) as a; otherwise reports misuse and changes nothing.
 template <class A, class B, class T>
 void sweep(std::span<const A> a, std::span<const Vec3<T>> motions, std::span<const B> b, std::span<BasicImpact<T>> out) {
     CAROM_REQUIRE(a.size() == motions.size() && a.size() == b.size() && a.size() == out.size(), ErrorCode::InvalidArgument,
                   "sweep: spans differ in length");
-    for (std::size_t i = 0; i < a.size(); ++i) out[i] = sweep(a[i], motions[i], b[i]);
+    if constexpr (std::is_same_v<A, Sphere<T>> && kSweptInLanes<B, T>) {
+        sweep_spheres(a, motions, b, out);
+    } else {
+        for (std::size_t i = 0; i < a.size(); ++i) out[i] = sweep(a[i], motions[i], b[i]);
+    }
 }
 
 }  // namespace carom::geo

@@ -64,10 +64,9 @@ template <class T>
 [[nodiscard]] bool fit(const Cone<T>& c) noexcept {
     return usual_vector(c.tip) && usual_vector(c.base_center) && c.radius >= T(0) && usual(double(c.radius));
 }
-inline constexpr double kShortestNormal = 1e-140;  ///< squares of shorter ones lose digits
 template <class T>
 [[nodiscard]] bool fit(const Plane<T>& p) noexcept {
-    return usual_vector(p.normal) && usual(double(p.offset)) && glm::length(dvec3(p.normal)) >= kShortestNormal;
+    return usual_vector(p.normal) && usual(double(p.offset)) && glm::length(dvec3(p.normal)) >= carom::detail::kShortestNormal;
 }
 
 inline constexpr Impact kInvalidImpact{.status = ImpactStatus::Invalid, .t = 0.0};

@@ -14,11 +14,6 @@ struct Within {
     double to = -1.0;
 };
 
-/// Squares of shorter motions, times those of the least radius, underflow; below these lengths segments and faces are less than growth hides.
-constexpr double kShortMotion = 1e-60;
-constexpr double kShortSegment = 1e-100;
-constexpr double kShortFace = 1e-69;
-
 dvec3 times_power(const dvec3& v, int exponent) noexcept {
     return {std::ldexp(v.x, exponent), std::ldexp(v.y, exponent), std::ldexp(v.z, exponent)};
 }
@@ -131,8 +126,8 @@ struct Slab {
 };
 
 Slab slab_of(double d, double lower, double upper, double radius) noexcept {
-    constexpr double kEver = std::numeric_limits<double>::infinity(), kHidden = 1e-100;
-    if (!(std::abs(d) > kHidden)) {
+    constexpr double kEver = std::numeric_limits<double>::infinity();
+    if (!(std::abs(d) > kHiddenSpeed)) {
         const bool inside = lower <= 0.0 && upper >= 0.0, grown = lower <= radius && upper >= -radius;
         return {lower > 0.0 ? lower : upper, 0.0, inside ? -kEver : kEver, kEver, grown ? -kEver : kEver, kEver};
     }

@@ -19,6 +19,12 @@ inline constexpr double kGrowth = 32.0 * 0x1p-52;
 inline constexpr double kLeastGrowth = 1e-70;
 inline constexpr double kLargestSwept = 1e70;
 inline constexpr double kRounded = 1.0 - 0x1p-48;
+/// Squares of shorter motions, times those of the least radius, underflow; below these lengths segments and faces are less than growth hides.
+inline constexpr double kShortMotion = 1e-60;
+inline constexpr double kShortSegment = 1e-100;
+inline constexpr double kShortFace = 1e-69;
+inline constexpr double kHiddenSpeed = 1e-100;     ///< the least growth hides slower motions along an axis
+inline constexpr double kShortestNormal = 1e-140;  ///< of half-spaces: squares of shorter ones lose digits
 
 struct SweepPath {
     dvec3 motion{0.0};

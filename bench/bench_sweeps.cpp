@@ -1,0 +1,117 @@
+// Google Benchmark of moving spheres against primitives: one pair at a time against the batch over the same 4,096 pairs.
+//
+//   bench_sweeps --benchmark_enable_random_interleaving=true --benchmark_repetitions=9 --benchmark_report_aggregates_only=true
+//   CAROM_BENCH_WIDTH=8 bench_sweeps                 with AVX2, four doubles at a time
+#include <carom/core/math.hpp>
+#include <carom/core/pose.hpp>
+#include <carom/core/random.hpp>
+#include <carom/core/simd_width.hpp>
+#include <carom/narrowphase/sweep.hpp>
+
+#include <benchmark/benchmark.h>
+
+#include <cstdlib>
+#include <vector>
+
+namespace {
+
+using namespace carom;
+
+constexpr std::size_t kCount = 4096;
+
+template <class T>
+glm::vec<3, T> point(Random& random, double size) {
+    return glm::vec<3, T>(dvec3{random.range(-size, size), random.range(-size, size), random.range(-size, size)});
+}
+
+template <class T>
+void make(Random& random, geo::Plane<T>& p) {
+    p = {point<T>(random, 1.0), T(random.range(-1.0, 0.0))};
+}
+template <class T>
+void make(Random& random, geo::Sphere<T>& s) {
+    s = {point<T>(random, 1.0), T(random.range(0.0, 0.4))};
+}
+template <class T>
+void make(Random& random, geo::Capsule<T>& c) {
+    c = {{point<T>(random, 1.0), point<T>(random, 1.0)}, T(random.range(0.0, 0.4))};
+}
+template <class T>
+void make(Random& random, geo::Aabb<T>& b) {
+    const auto p = point<T>(random, 1.0), q = point<T>(random, 1.0);
+    b = {glm::min(p, q), glm::max(p, q)};
+}
+template <class T>
+void make(Random& random, geo::Obb<T>& b) {
+    const dquat q = rotation_from_vector(point<double>(random, 3.0));
+    b = {.center = point<T>(random, 1.0),
+         .half_extents = glm::abs(point<T>(random, 0.7)),
+         .axes = glm::mat<3, 3, T>(dmat3{rotate(q, dvec3{1, 0, 0}), rotate(q, dvec3{0, 1, 0}), rotate(q, dvec3{0, 0, 1})})};
+}
+template <class T>
+void make(Random& random, geo::Triangle<T>& t) {
+    t = {point<T>(random, 1.0), point<T>(random, 1.0), point<T>(random, 1.0)};
+}
+
+// Ways of up to 8 m through the middle of a cube of 2 m with sizes near one in it: `hits` says which part touches.
+template <class B, class T>
+struct Pairs {
+    std::vector<geo::Sphere<T>> a{kCount};
+    std::vector<glm::vec<3, T>> motions{kCount};
+    std::vector<B> b{kCount};
+    std::vector<BasicImpact<T>> out{kCount};
+
+    Pairs() {
+        Random random(0x5eeb);
+        for (std::size_t i = 0; i < kCount; ++i) {
+            make(random, a[i]), make(random, b[i]);
+            motions[i] = point<T>(random, i % 4 == 0 ? 1.0 : 5.0);
+            a[i].center -= T(0.5) * motions[i];
+        }
+    }
+    void report(benchmark::State& state) const {
+        std::size_t hits = 0;
+        for (const BasicImpact<T>& impact : out) hits += may_touch(impact.status) ? 1 : 0;
+        state.counters["hits"] = double(hits) / double(kCount);
+        state.SetItemsProcessed(state.iterations() * std::int64_t(kCount));
+    }
+};
+
+template <class B, class T>
+void single(benchmark::State& state) {
+    Pairs<B, T> pairs;
+    for (auto _ : state) {
+        for (std::size_t i = 0; i < kCount; ++i) pairs.out[i] = geo::sweep(pairs.a[i], pairs.motions[i], pairs.b[i]);
+        benchmark::ClobberMemory();
+    }
+    pairs.report(state);
+}
+template <class B, class T>
+void batch(benchmark::State& state) {
+    Pairs<B, T> pairs;
+    for (auto _ : state) {
+        geo::sweep<geo::Sphere<T>, B, T>(pairs.a, pairs.motions, pairs.b, pairs.out);
+        benchmark::ClobberMemory();
+    }
+    pairs.report(state);
+}
+
+#define CAROM_BOTH(B)                              \
+    BENCHMARK(single<geo::B<double>, double>);     \
+    BENCHMARK(batch<geo::B<double>, double>);      \
+    BENCHMARK(single<geo::B<float>, float>);       \
+    BENCHMARK(batch<geo::B<float>, float>);
+CAROM_BOTH(Plane)
+CAROM_BOTH(Sphere)
+CAROM_BOTH(Capsule)
+CAROM_BOTH(Aabb)
+CAROM_BOTH(Obb)
+CAROM_BOTH(Triangle)
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    if (const char* width = std::getenv("CAROM_BENCH_WIDTH")) set_simd_width(std::atoi(width));
+    benchmark::Initialize(&argc, argv);
+    benchmark::RunSpecifiedBenchmarks();
+}
