@@ -83,7 +83,7 @@ struct AtPoint {
         const Doubles radius = c.number(3);
         c.sure = c.sure & Columns::usual(centre) & Columns::fit(radius) & long_or_none(c.motion);
         const WidePath path = c.path(c.motion, length(q), radius);
-        const WideMeeting met = sweep_point(path, path.radius, q);
+        const WideMeeting met = sweep_point(path, path.radius, q, c.sure);
         c.answer(met.t, direction(met.gap, path, path.motion));
     }
 };

@@ -63,8 +63,21 @@ HWY_INLINE WideSpan within(const Doubles3& q, const Doubles3& d, Doubles radius)
     const Doubles from = select(comes, one, select(leaves, other, -other)), to = select(leaves, one, other);
     return {select(meets, from, select(inside, -ever, Doubles(kNoContact))), select(meets, to, select(inside, ever, Doubles(-1.0)))};
 }
-HWY_INLINE DoubleMask in_time(const WideSpan& w) { return (w.from <= Doubles(1.0)) & (w.to >= Doubles(0.0)); }
-HWY_INLINE Doubles start_of(const WideSpan& w) { return greatest(w.from * Doubles(kRounded), Doubles(0.0)); }
+
+/// What within() tells of times in [0, 1]: when the ball is first met, or kNoContact. With one quotient of its two, since signs tell whether a time is
+/// before 0, and what comes no nearer is met now or never. Products and quotients do not underflow, the radius being no less than kLeastGrowth.
+HWY_INLINE Doubles first_within(const Doubles3& q, const Doubles3& d, Doubles radius, DoubleMask wanted) {
+    const Doubles zero(0.0), dd = dot(d, d);
+    const Doubles3 aside = cross(q, d);
+    const Doubles room = radius * radius * dd - dot(aside, aside);
+    const DoubleMask moves = dd > zero, near = wanted & ((room >= zero) | !moves);
+    if (none(near)) return Doubles(kNoContact);
+    const Doubles along = dot(q, d), away = length(q);
+    const DoubleMask comes = along > zero, passes = moves & !(along < zero);
+    const Doubles product = (away - radius) * (away + radius), from = product / (along + sqrt(room));
+    const DoubleMask hit = near & (passes | (away <= radius)) & ((!comes) | (from <= Doubles(1.0)));
+    return select(hit, select(comes, greatest(from * Doubles(kRounded), zero), zero), Doubles(kNoContact));
+}
 
 /// The normal that contact() of sweep_parts.cpp finds.
 HWY_INLINE Doubles3 direction(const Doubles3& gap, const WidePath& path, const Doubles3& otherwise) {
@@ -74,33 +87,28 @@ HWY_INLINE Doubles3 direction(const Doubles3& gap, const WidePath& path, const D
     return select(clear | (whole > Doubles(0.0)), normal, zero3());
 }
 
-HWY_INLINE WideMeeting sweep_point(const WidePath& path, Doubles radius, const Doubles3& q) {
-    const WideSpan w = within(q, path.motion, radius);
-    const Doubles t = start_of(w);
-    return {select(in_time(w), t, Doubles(kNoContact)), q - path.motion * t};
+HWY_INLINE WideMeeting sweep_point(const WidePath& path, Doubles radius, const Doubles3& q, DoubleMask wanted) {
+    const Doubles t = first_within(q, path.motion, radius, wanted);
+    return {t, q - path.motion * t};
 }
 
 /// @param sure  set to false where the part of the motion across the segment is too short.
 HWY_INLINE WideMeeting sweep_segment(const WidePath& path, Doubles radius, const Doubles3& q, const Doubles3& u, DoubleMask& sure) {
-    const Doubles zero(0.0), never(kNoContact);
+    const Doubles zero(0.0), one(1.0), never(kNoContact);
     const Doubles uu = dot(u, u), whole = sqrt(uu);
     const DoubleMask is_point = !(uu > Doubles(kShortSegment * kShortSegment));
     const Doubles3 along = over(u, whole), across = cross(path.motion, along);
-    const WideSpan w = within(cross(q, along), across, radius);
     sure = sure & (is_point | long_or_none(across));
-    const DoubleMask round = (!is_point) & in_time(w);
+    const Doubles t = first_within(cross(q, along), across, radius, !is_point);
+    const DoubleMask round = t <= one;
     if (none(round | is_point)) return {never, zero3()};
-    const Doubles t = start_of(w);
     const Doubles3 way = path.motion * t;
     const Doubles s = dot(way - q, along);
-    const DoubleMask side = round & (s >= zero) & (s <= whole);
-    WideMeeting first{select(side, t, never), (q + along * s) - way};
-    const DoubleMask at_ends = is_point | (round & !side);
+    const DoubleMask side = round & (s >= zero) & (s <= whole), at_ends = is_point | (round & !side);
+    const WideMeeting first{select(side, t, never), (q + along * s) - way};
     if (none(at_ends)) return first;
     const Doubles ends = select(is_point, radius, radius + Doubles(kGrowth) * path.size);
-    const WideMeeting a = sweep_point(path, ends, q), b = sweep_point(path, ends, q + u);
-    const DoubleMask second = (b.t < a.t) & !is_point;
-    return {select(at_ends, select(second, b.t, a.t), first.t), select(at_ends, select(second, b.gap, a.gap), first.gap)};
+    return earlier(first, earlier(sweep_point(path, ends, q, at_ends), sweep_point(path, ends, q + u, at_ends & !is_point)));
 }
 
 /// What is_needle(), face_slack() and rim_growth() of sweep_parts.hpp say of a triangle's corner.
@@ -116,9 +124,11 @@ struct WideCorner {
         slack = growth * (product / twice) * path.size;
     }
     HWY_INLINE Doubles rim_growth() const {
+        const Doubles two(2.0);
+        if (none(needle)) return two * slack;
         const Doubles longest = greatest(length_u, length_v), rounding = Doubles(kGrowth) * least(length_u, length_v);
         const Doubles of_needle = select(longest > Doubles(0.0), twice / longest + rounding, Doubles(0.0));
-        return select(needle, of_needle, Doubles(2.0) * slack);
+        return select(needle, of_needle, two * slack);
     }
     /// The inside of the triangle. @param normal  towards it.
     HWY_INLINE Doubles sweep_face(const WidePath& path, Doubles3& normal) const {
