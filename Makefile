@@ -57,8 +57,8 @@ fuzz: setup
 bench: PACKAGES += bench
 bench: setup
 	@cmake --preset release $(CONFIGURE) -DCAROM_BENCH=ON
-	@cmake --build --preset release --target bench_step bench_pairs bench_primitives -j $(JOBS)
-	@echo "Built build/release/bin/bench_step, bench_pairs and bench_primitives, Google Benchmark programs"
+	@cmake --build --preset release --target bench_step bench_pairs bench_primitives bench_sweeps -j $(JOBS)
+	@echo "Built build/release/bin/bench_step, bench_pairs, bench_primitives and bench_sweeps, Google Benchmark programs"
 
 peers: PACKAGES += peers
 peers: setup

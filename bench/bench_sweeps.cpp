@@ -96,10 +96,10 @@ void batch(benchmark::State& state) {
     pairs.report(state);
 }
 
-#define CAROM_BOTH(B)                              \
-    BENCHMARK(single<geo::B<double>, double>);     \
-    BENCHMARK(batch<geo::B<double>, double>);      \
-    BENCHMARK(single<geo::B<float>, float>);       \
+#define CAROM_BOTH(B)                          \
+    BENCHMARK(single<geo::B<double>, double>); \
+    BENCHMARK(batch<geo::B<double>, double>);  \
+    BENCHMARK(single<geo::B<float>, float>);   \
     BENCHMARK(batch<geo::B<float>, float>);
 CAROM_BOTH(Plane)
 CAROM_BOTH(Sphere)

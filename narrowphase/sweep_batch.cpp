@@ -28,30 +28,54 @@ private:
 };
 
 template <class T>
-constexpr SweptCore core_of(const Plane<T>*) { return SweptCore::Plane; }
+constexpr SweptCore core_of(const Plane<T>*) {
+    return SweptCore::Plane;
+}
 template <class T>
-constexpr SweptCore core_of(const Sphere<T>*) { return SweptCore::Point; }
+constexpr SweptCore core_of(const Sphere<T>*) {
+    return SweptCore::Point;
+}
 template <class T>
-constexpr SweptCore core_of(const Capsule<T>*) { return SweptCore::Segment; }
+constexpr SweptCore core_of(const Capsule<T>*) {
+    return SweptCore::Segment;
+}
 template <class T>
-constexpr SweptCore core_of(const Aabb<T>*) { return SweptCore::Box; }
+constexpr SweptCore core_of(const Aabb<T>*) {
+    return SweptCore::Box;
+}
 template <class T>
-constexpr SweptCore core_of(const Obb<T>*) { return SweptCore::TurnedBox; }
+constexpr SweptCore core_of(const Obb<T>*) {
+    return SweptCore::TurnedBox;
+}
 template <class T>
-constexpr SweptCore core_of(const Triangle<T>*) { return SweptCore::Triangle; }
+constexpr SweptCore core_of(const Triangle<T>*) {
+    return SweptCore::Triangle;
+}
 
 template <class T>
-void put(Column c, const Plane<T>& p) noexcept { c.put(p.normal), c.put(double(p.offset)); }
+void put(Column c, const Plane<T>& p) noexcept {
+    c.put(p.normal), c.put(double(p.offset));
+}
 template <class T>
-void put(Column c, const Sphere<T>& s) noexcept { c.put(s.center), c.put(double(s.radius)); }
+void put(Column c, const Sphere<T>& s) noexcept {
+    c.put(s.center), c.put(double(s.radius));
+}
 template <class T>
-void put(Column c, const Capsule<T>& s) noexcept { c.put(s.axis.a), c.put(s.axis.b), c.put(double(s.radius)); }
+void put(Column c, const Capsule<T>& s) noexcept {
+    c.put(s.axis.a), c.put(s.axis.b), c.put(double(s.radius));
+}
 template <class T>
-void put(Column c, const Aabb<T>& b) noexcept { c.put(b.lower), c.put(b.upper); }
+void put(Column c, const Aabb<T>& b) noexcept {
+    c.put(b.lower), c.put(b.upper);
+}
 template <class T>
-void put(Column c, const Obb<T>& b) noexcept { c.put(b.center), c.put(b.half_extents), c.put(b.axes[0]), c.put(b.axes[1]), c.put(b.axes[2]); }
+void put(Column c, const Obb<T>& b) noexcept {
+    c.put(b.center), c.put(b.half_extents), c.put(b.axes[0]), c.put(b.axes[1]), c.put(b.axes[2]);
+}
 template <class T>
-void put(Column c, const Triangle<T>& t) noexcept { c.put(t.a), c.put(t.b), c.put(t.c); }
+void put(Column c, const Triangle<T>& t) noexcept {
+    c.put(t.a), c.put(t.b), c.put(t.c);
+}
 
 /// Downward, as rounded() of detail/sweep_frame.hpp, for t > 0 where it is rounded up.
 template <class T>
@@ -80,7 +104,8 @@ void take(const SweptRows& rows, std::size_t i, BasicImpact<T>& to) noexcept {
 }  // namespace
 
 template <class T, class B>
-void sweep_spheres(std::span<const Sphere<T>> a, std::span<const Vec3<T>> motions, std::span<const B> b, std::span<BasicImpact<T>> out) noexcept {
+void sweep_spheres(std::span<const Sphere<T>> a, std::span<const Vec3<T>> motions, std::span<const B> b,
+                   std::span<BasicImpact<T>> out) noexcept {
     SweptRows rows;
     for (std::size_t first = 0; first < a.size(); first += SweptRows::kPairs) {
         const std::size_t count = std::min(a.size() - first, SweptRows::kPairs);
@@ -103,10 +128,10 @@ void sweep_spheres(std::span<const Sphere<T>> a, std::span<const Vec3<T>> motion
     }
 }
 
-#define CAROM_SWEPT_SPHERES(B)                                                                                                        \
-    template void sweep_spheres(std::span<const Sphere<float>>, std::span<const Vec3<float>>, std::span<const B<float>>,              \
-                                std::span<BasicImpact<float>>) noexcept;                                                             \
-    template void sweep_spheres(std::span<const Sphere<double>>, std::span<const Vec3<double>>, std::span<const B<double>>,           \
+#define CAROM_SWEPT_SPHERES(B)                                                                                              \
+    template void sweep_spheres(std::span<const Sphere<float>>, std::span<const Vec3<float>>, std::span<const B<float>>,    \
+                                std::span<BasicImpact<float>>) noexcept;                                                    \
+    template void sweep_spheres(std::span<const Sphere<double>>, std::span<const Vec3<double>>, std::span<const B<double>>, \
                                 std::span<BasicImpact<double>>) noexcept;
 CAROM_SWEPT_SPHERES(Plane)
 CAROM_SWEPT_SPHERES(Sphere)

@@ -168,7 +168,9 @@ struct AtTriangle {
         const Doubles3 sides[3] = {q - p, r - q, p - r}, corners[3] = {p, q, r};
         const Doubles of_c = dot(sides[0], sides[0]), of_a = dot(sides[1], sides[1]), of_b = dot(sides[2], sides[2]);
         const DoubleMask from_a = (of_a >= of_b) & (of_a >= of_c), from_b = (!from_a) & (of_b >= of_c);
-        const auto chosen = [&](const Doubles3& a, const Doubles3& b, const Doubles3& other) { return select(from_a, a, select(from_b, b, other)); };
+        const auto chosen = [&](const Doubles3& a, const Doubles3& b, const Doubles3& other) {
+            return select(from_a, a, select(from_b, b, other));
+        };
         const WideCorner corner(path, chosen(p, q, r), chosen(sides[0], sides[1], sides[2]), -chosen(sides[2], sides[0], sides[1]));
         const Doubles rim = path.radius + corner.rim_growth();
         Doubles3 normal = zero3();

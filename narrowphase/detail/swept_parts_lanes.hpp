@@ -57,7 +57,8 @@ HWY_INLINE WideSpan within(const Doubles3& q, const Doubles3& d, Doubles radius)
     const Doubles3 aside = cross(q, d);
     const Doubles room = radius * radius * dd - dot(aside, aside), along = dot(q, d), root = sqrt(room);
     const Doubles product = (away - radius) * (away + radius);
-    const DoubleMask leaves = along < zero, comes = along > zero;
+    const DoubleMask leaves = along < zero;
+    const DoubleMask comes = along > zero;
     const Doubles sum = select(leaves, along - root, along + root), one = product / sum, other = sum / dd;
     const DoubleMask moves = dd > zero, inside = (!moves) & (away <= radius), meets = moves & (room >= zero);
     const Doubles from = select(comes, one, select(leaves, other, -other)), to = select(leaves, one, other);
@@ -118,7 +119,14 @@ struct WideCorner {
     DoubleMask needle;
 
     HWY_INLINE WideCorner(const WidePath& path, const Doubles3& at, const Doubles3& side_u, const Doubles3& side_v)
-        : q(at), u(side_u), v(side_v), area(cross(u, v)), twice(length(area)), length_u(length(u)), length_v(length(v)), needle(twice < twice) {
+        : q(at),
+          u(side_u),
+          v(side_v),
+          area(cross(u, v)),
+          twice(length(area)),
+          length_u(length(u)),
+          length_v(length(v)),
+          needle(twice < twice) {
         const Doubles product = length_u * length_v, longest = greatest(length_u, length_v), growth(kGrowth);
         needle = (longest < Doubles(kShortFace)) | !(growth * path.size * product * longest < twice * twice);
         slack = growth * (product / twice) * path.size;

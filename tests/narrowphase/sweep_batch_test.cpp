@@ -114,9 +114,9 @@ void expect_the_single_calls(const Batch<T, B>& batch) {
         const std::vector<BasicImpact<T>> out = batch.swept(0, batch.a.size());
         for (std::size_t i = 0; i < out.size(); ++i) {
             const BasicImpact<T>&p = out[i], &q = batch.singly[i];
-            ASSERT_TRUE(same_bits(p, q)) << "width " << width << " pair " << i << ": " << to_string(p.status) << " " << p.t << " " << p.normal.x
-                                         << " " << p.normal.y << " " << p.normal.z << ", singly " << to_string(q.status) << " " << q.t << " "
-                                         << q.normal.x << " " << q.normal.y << " " << q.normal.z;
+            ASSERT_TRUE(same_bits(p, q)) << "width " << width << " pair " << i << ": " << to_string(p.status) << " " << p.t << " "
+                                         << p.normal.x << " " << p.normal.y << " " << p.normal.z << ", singly " << to_string(q.status)
+                                         << " " << q.t << " " << q.normal.x << " " << q.normal.y << " " << q.normal.z;
         }
     }
     set_simd_width(0);
@@ -188,7 +188,8 @@ void judge_grazing(std::uint64_t seed) {
             const T middle = apart + T(0.5) * (met - apart);
             (touches(middle) ? met : apart) = middle;
         }
-        for (const T radius : {met, apart, std::nextafter(met, T(9)), std::nextafter(apart, T(0))}) batch.add({start, radius}, motion, other);
+        for (const T radius : {met, apart, std::nextafter(met, T(9)), std::nextafter(apart, T(0))})
+            batch.add({start, radius}, motion, other);
         for (const double gap : {1e-15, 1e-13, 1e-11, 1e-9, 1e-7}) {
             for (const double sign : {-1.0, 1.0}) batch.add({start, T(double(met) * (1.0 + sign * gap))}, motion, other);
         }
@@ -242,7 +243,8 @@ void each_number(geo::Triangle<T>& t, const F& f) {
 template <class T, class B>
 void judge_bad(std::uint64_t seed) {
     const Batch<T, B> good = random_batch<T, B>(seed, 97);
-    const std::vector<double> values{kNan, kInfinity, -kInfinity, 1e71, -1e71, 1e70, -1e70, 1e36, -1e36, -1.0, 1e-200, 1e-65, -1e-39, 1e-142};
+    const std::vector<double> values{kNan, kInfinity, -kInfinity, 1e71,   -1e71, 1e70,   -1e70,
+                                     1e36, -1e36,     -1.0,       1e-200, 1e-65, -1e-39, 1e-142};
     Batch<T, B> bad;
     std::size_t next = 0;
     for (const double value : values) {
@@ -317,8 +319,9 @@ TEST(SweepBatch, EveryLengthIsAnsweredAndNothingElseIsWritten) {
         for (std::size_t n = 0; n <= 140; ++n) {
             std::vector<BasicImpact<float>> out(n + 2);
             out.front().checks = out.back().checks = -7;
-            geo::sweep<geo::Sphere<float>, geo::Triangle<float>, float>(std::span(batch.a).subspan(n, n), std::span(batch.motions).subspan(n, n),
-                                                                      std::span(batch.b).subspan(n, n), std::span(out).subspan(1, n));
+            geo::sweep<geo::Sphere<float>, geo::Triangle<float>, float>(std::span(batch.a).subspan(n, n),
+                                                                        std::span(batch.motions).subspan(n, n),
+                                                                        std::span(batch.b).subspan(n, n), std::span(out).subspan(1, n));
             ASSERT_EQ(out.front().checks, -7);
             ASSERT_EQ(out.back().checks, -7);
             for (std::size_t i = 0; i < n; ++i) ASSERT_TRUE(same_bits(out[i + 1], batch.singly[n + i])) << n << " " << i;
