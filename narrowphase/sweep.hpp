@@ -116,9 +116,9 @@ struct MeshImpact : Impact {
 [[nodiscard]] MeshImpact sweep(const Sphere<double>& a, const Vec3<double>& motion, const TriangleMesh& b);
 [[nodiscard]] MeshImpact sweep(const Capsule<double>& a, const Vec3<double>& motion, const TriangleMesh& b);
 
-/// The batches of spheres against what kernels take several of at once. Spans of one length.
+/// The batches of spheres against what kernels take several of at once; sweep() below calls it, and says what the spans are.
 template <class T, class B>
-void sweep_spheres(std::span<const Sphere<T>> a, std::span<const Vec3<T>> motions, std::span<const B> b, std::span<BasicImpact<T>> out) noexcept;
+void sweep_spheres(std::span<const Sphere<T>> a, std::span<const Vec3<T>> motions, std::span<const B> b, std::span<BasicImpact<T>> out);
 /// What sweep_spheres() takes.
 template <class B, class T>
 inline constexpr bool kSweptInLanes = std::is_same_v<B, Plane<T>> || std::is_same_v<B, Sphere<T>> || std::is_same_v<B, Capsule<T>> ||

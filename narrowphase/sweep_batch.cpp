@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstdint>
 #include <type_traits>
 
 namespace carom::geo {
@@ -104,8 +105,9 @@ void take(const SweptRows& rows, std::size_t i, BasicImpact<T>& to) noexcept {
 }  // namespace
 
 template <class T, class B>
-void sweep_spheres(std::span<const Sphere<T>> a, std::span<const Vec3<T>> motions, std::span<const B> b,
-                   std::span<BasicImpact<T>> out) noexcept {
+void sweep_spheres(std::span<const Sphere<T>> a, std::span<const Vec3<T>> motions, std::span<const B> b, std::span<BasicImpact<T>> out) {
+    CAROM_REQUIRE(a.size() == motions.size() && a.size() == b.size() && a.size() == out.size(), ErrorCode::InvalidArgument,
+                  "sweep_spheres: spans differ in length");
     SweptRows rows;
     for (std::size_t first = 0; first < a.size(); first += SweptRows::kPairs) {
         const std::size_t count = std::min(a.size() - first, SweptRows::kPairs);
@@ -130,9 +132,9 @@ void sweep_spheres(std::span<const Sphere<T>> a, std::span<const Vec3<T>> motion
 
 #define CAROM_SWEPT_SPHERES(B)                                                                                              \
     template void sweep_spheres(std::span<const Sphere<float>>, std::span<const Vec3<float>>, std::span<const B<float>>,    \
-                                std::span<BasicImpact<float>>) noexcept;                                                    \
+                                std::span<BasicImpact<float>>);                                                             \
     template void sweep_spheres(std::span<const Sphere<double>>, std::span<const Vec3<double>>, std::span<const B<double>>, \
-                                std::span<BasicImpact<double>>) noexcept;
+                                std::span<BasicImpact<double>>);
 CAROM_SWEPT_SPHERES(Plane)
 CAROM_SWEPT_SPHERES(Sphere)
 CAROM_SWEPT_SPHERES(Capsule)

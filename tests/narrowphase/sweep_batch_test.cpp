@@ -335,6 +335,12 @@ TEST(SweepBatch, SpansOfOtherLengthsAreMisuse) {
     std::vector<Impact> out(9, Impact{.t = 0.25});
     batch.b.pop_back();
     EXPECT_THROW((geo::sweep<geo::Sphere<double>, geo::Plane<double>, double>(batch.a, batch.motions, batch.b, out)), MisuseError);
+    const std::span<const geo::Sphere<double>> a(batch.a);
+    const std::span<const dvec3> motions(batch.motions);
+    const std::span<const geo::Plane<double>> b(batch.b);
+    EXPECT_THROW((geo::sweep_spheres<double, geo::Plane<double>>(a, motions, b, out)), MisuseError);
+    EXPECT_THROW((geo::sweep_spheres<double, geo::Plane<double>>(a.first(8), motions, b, std::span(out).first(8))), MisuseError);
+    EXPECT_THROW((geo::sweep_spheres<double, geo::Plane<double>>(a.first(8), motions.first(8), b, out)), MisuseError);
     for (const Impact& impact : out) EXPECT_EQ(impact.t, 0.25);
 }
 
