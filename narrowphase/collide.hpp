@@ -27,7 +27,8 @@ struct ShapePair {
     float margin = 0.0f;  ///< points with a separation up to this are reported [m], >= 0
 };
 
-/// Shapes by number, each with its pose: (n,) and (n,). A null shape is no shape; no pair may name it, and its pose is not read.
+/// Shapes by number, each with its pose: (n,) and (n,). A null shape is no shape, and no pair may name it. The pose of a shape
+/// that no pair names may be anything.
 struct PlacedShapes {
     std::span<const Shape* const> shapes;
     std::span<const Pose> poses;

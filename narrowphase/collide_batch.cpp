@@ -31,6 +31,7 @@ constexpr std::size_t kind_of(std::size_t type_a, std::size_t type_b) noexcept {
     return type_a * static_cast<std::size_t>(kShapeTypeCount) + type_b;
 }
 constexpr std::uint16_t kReused = kKinds;  // in place of a kind
+constexpr const char* kNotFinitePose = "collide: a pose is not finite";
 
 struct Chunk {
     detail::ManifoldList manifolds;
@@ -91,20 +92,13 @@ struct CollideBatch {
         });
     }
 
+    // Of the shapes that pairs name: the others' are looked at only because that is faster.
     [[nodiscard]] bool poses_are_finite() const {
         std::atomic<bool> finite{true};
         executor.parallel_for(data.types.size(), 256, [&](std::size_t begin, std::size_t end) {
-            if (!poses_are_finite(begin, end)) finite.store(false, std::memory_order_relaxed);
+            if (!detail::poses_are_finite(placed.poses.subspan(begin, end - begin))) finite.store(false, std::memory_order_relaxed);
         });
-        return finite.load();
-    }
-
-    // Of the shapes that there are.
-    [[nodiscard]] bool poses_are_finite(std::size_t begin, std::size_t end) const {
-        if (detail::poses_are_finite(placed.poses.subspan(begin, end - begin))) return true;
-        double residue = 0.0;
-        for (std::size_t k = begin; k < end; ++k) residue += data.types[k] == kNoShape ? 0.0 : detail::finite_residue(placed.poses[k]);
-        return residue == 0.0;
+        return finite.load() || detail::named_poses_are_finite(input());
     }
 
     [[nodiscard]] detail::PairFault look_at_pair(std::size_t i) {
@@ -305,32 +299,45 @@ struct CollideBatch {
         return alone && executor.thread_count() == 1 &&
                std::ranges::all_of(data.kinds, [](std::size_t kind) { return kind == kind_of(kBox, kBox); });
     }
-    void run_boxes(detail::ManifoldList& found) {
+    // The same of what is few and plain: they may be found before poses are looked at, which the kernel proves to be finite by the way.
+    [[nodiscard]] bool are_few_boxes() const {
+        if (!alone || executor.thread_count() != 1 || pairs.size() > kBlock) return false;
+        return std::ranges::all_of(pairs, [shapes = placed.shapes.data(), count = placed.shapes.size()](const NumberedPair& pair) {
+            if (!is_plain(pair, count)) return false;
+            const Shape *const a = shapes[pair.a], *const b = shapes[pair.b];
+            return a != nullptr && b != nullptr && std::holds_alternative<Box>(*a) && std::holds_alternative<Box>(*b);
+        });
+    }
+    // @return whether all poses are known to be finite.
+    bool run_boxes(detail::ManifoldList& found) {
+        bool proven = true;
         found.clear();
         for (std::size_t first = 0; first < pairs.size(); first += kBlock) {
             data.order.resize(std::min(kBlock, pairs.size() - first));
             std::iota(data.order.begin(), data.order.end(), static_cast<std::uint32_t>(first));
-            detail::box_box(input(), data.order, detail::thread_workspace(), found);
+            proven &= detail::box_box_proving(input(), data.order, detail::thread_workspace(), found);
         }
+        return proven;
     }
 
     // @return what is wrong; nothing has changed then.
     [[nodiscard]] detail::PairFault run(std::vector<Manifold>& out, CollideCounts& counts) {
         if (placed.shapes.size() != placed.poses.size()) return {"collide: shapes and poses differ in number"};
+        if (are_few_boxes()) {
+            const bool proven = run_boxes(data.direct);
+            if (!proven && !detail::named_poses_are_finite(input())) return {kNotFinitePose, ErrorCode::NotFinite};
+            data.direct.exchange(out);
+            data.memory.forget();
+            return {};
+        }
         look_at_types();
-        const bool pairs_fit = look_at_pairs(), in_order = pairs_fit && are_boxes_in_order();
-        // What is few may be found before poses are looked at, which are at hand then; such as are not finite do no harm.
-        const bool early = in_order && pairs.size() <= kBlock;
-        if (early) run_boxes(data.direct);
-        if (!poses_are_finite()) return {"collide: a pose is not finite", ErrorCode::NotFinite};
-        if (!pairs_fit) return find_fault();
-        if (in_order) {
+        if (!look_at_pairs()) return find_fault();
+        if (!poses_are_finite()) return {kNotFinitePose, ErrorCode::NotFinite};
+        if (are_boxes_in_order()) {
             detail::ManifoldList list;
-            if (!early) {
-                list.exchange(out);
-                run_boxes(list);
-            }
-            (early ? data.direct : list).exchange(out);
+            list.exchange(out);
+            run_boxes(list);
+            list.exchange(out);
             data.memory.forget();
         } else {
             counts = run_blocks(out);

@@ -39,42 +39,46 @@ struct BestAxis {
     Mask apart;
 };
 
-// The best axis so far, and whether one separates.
+// The best axes so far.
 struct AxisSearch {
-    Floats separation;
+    Floats separation;  // along a normal of a face
     Ints code;
-    Floats edge_separation;
+    Floats edge_square;  // of the separation along a product of edges, with its sign: so one root is taken for all nine
     Ints edge_code;
-    Mask apart;
 
-    HWY_INLINE void face(Floats s, int number, Floats limit) {
+    HWY_INLINE void face(Floats s, int number) {
         const Mask better = s > separation;
         separation = select(better, s, separation);
         code = select(better, Ints(number), code);
-        apart = apart | (s > limit);
     }
-    HWY_INLINE void edge(Floats s, Mask is_axis, int number, Floats limit) {
-        const Mask better = is_axis & (s > edge_separation);
-        edge_separation = select(better, s, edge_separation);
+    /// @param s  times the length of the product.
+    HWY_INLINE void edge(Floats s, Floats length_sq, int number) {
+        const Floats square = (s * abs(s)) / length_sq;
+        const Mask is_axis = length_sq > Floats(static_cast<float>(kParallelSine * kParallelSine));
+        const Mask better = is_axis & (square > edge_square);
+        edge_square = select(better, square, edge_square);
         edge_code = select(better, Ints(number), edge_code);
-        apart = apart | (is_axis & (s > limit));
+    }
+    HWY_INLINE Floats edge_separation() const {
+        const Floats size = sqrt(abs(edge_square));
+        return select(edge_square < Floats(0.0f), -size, size);
     }
 };
 
-HWY_INLINE void try_faces(const PairNumbers& p, Floats limit, AxisSearch& best) {
+HWY_INLINE void try_faces(const PairNumbers& p, AxisSearch& best) {
     const auto& [a, b, t, r, size] = p;
 #pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) {
-        best.face(abs(t[i]) - (a[i] + ((size[i][0] * b[0] + size[i][1] * b[1]) + size[i][2] * b[2])), i, limit);
+        best.face(abs(t[i]) - (a[i] + ((size[i][0] * b[0] + size[i][1] * b[1]) + size[i][2] * b[2])), i);
     }
 #pragma GCC unroll 3
     for (int j = 0; j < 3; ++j) {
         const Floats along = (r[0][j] * t[0] + r[1][j] * t[1]) + r[2][j] * t[2];
-        best.face(abs(along) - (b[j] + ((size[0][j] * a[0] + size[1][j] * a[1]) + size[2][j] * a[2])), kFirstFaceOfB + j, limit);
+        best.face(abs(along) - (b[j] + ((size[0][j] * a[0] + size[1][j] * a[1]) + size[2][j] * a[2])), kFirstFaceOfB + j);
     }
 }
 
-HWY_INLINE void try_edges(const PairNumbers& p, Floats limit, AxisSearch& best) {
+HWY_INLINE void try_edges(const PairNumbers& p, AxisSearch& best) {
     const auto& [a, b, t, r, size] = p;
 #pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) {
@@ -90,8 +94,7 @@ HWY_INLINE void try_edges(const PairNumbers& p, Floats limit, AxisSearch& best) 
                          reach_2 = abs(r[i1][j] * r[i2][j2] - r[i2][j] * r[i1][j2]);
             const Floats reach = (a[i1] * size[i2][j] + a[i2] * size[i1][j]) + (b[j1] * reach_1 + b[j2] * reach_2);
             const Floats along = abs(t[i2] * r[i1][j] - t[i1] * r[i2][j]);
-            const Mask is_axis = length_sq > Floats(static_cast<float>(kParallelSine * kParallelSine));
-            best.edge((along - reach) / sqrt(length_sq), is_axis, kFirstEdge + 3 * i + j, limit);
+            best.edge(along - reach, length_sq, kFirstEdge + 3 * i + j);
         }
     }
 }
@@ -106,12 +109,14 @@ HWY_INLINE BestAxis best_axis(const WidePair& p) {
     const Floats most = max(max(max(n.a[0], n.a[1]), n.a[2]), max(max(n.b[0], n.b[1]), n.b[2]));
     const Floats limit = p.margin + Floats(kWideRounding) * most;
     const Floats never(-std::numeric_limits<float>::infinity());
-    AxisSearch best{never, Ints(kApart), never, Ints(kApart), n.t[0] != n.t[0]};
-    try_faces(n, limit, best);
-    try_edges(n, limit, best);
-    const Mask by_edge = best.edge_separation > best.separation + Floats(kWidePreference) * most;
-    return {select(by_edge, best.edge_separation, best.separation),
-            select(best.apart, Ints(kApart), select(by_edge, best.edge_code, best.code)), best.apart};
+    AxisSearch best{never, Ints(kApart), never, Ints(kApart)};
+    try_faces(n, best);
+    try_edges(n, best);
+    const Floats edge_separation = best.edge_separation();
+    const Mask apart = (max(best.separation, edge_separation) > limit) | (n.t[0] != n.t[0]);
+    const Mask by_edge = edge_separation > best.separation + Floats(kWidePreference) * most;
+    return {select(by_edge, edge_separation, best.separation), select(apart, Ints(kApart), select(by_edge, best.edge_code, best.code)),
+            apart};
 }
 
 }  // namespace carom::detail::HWY_NAMESPACE

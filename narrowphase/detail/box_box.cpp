@@ -14,7 +14,6 @@
 #include <iterator>
 #include <limits>
 #include <span>
-#include <vector>
 
 namespace carom::detail {
 namespace {
@@ -71,80 +70,114 @@ void place_unusual(const ShapePair& pair, BoxPairBlock& block, std::size_t at) {
     block.unit[at] = static_cast<float>(unit);
 }
 
-// Some pairs, on their way through the kernels.
+// Some pairs, on their way through the kernels. Their manifolds have a place each, in the order of the pairs, before it is known whether there is one.
 struct Work {
-    BoxPairBlock near;
+    BoxesNear near;
     BoxPatchBundle patch{};
     IntBundle to{};
-    ManifoldList corners;                   // of pairs that touch corner to corner
-    std::vector<std::uint32_t> corners_to;  // where they go
+    ManifoldList corner;    // of a pair that touches corner to corner
+    bool any_hole = false;  // a place of no manifold: one without points
 
-    Work() { clear_ways(); }
-    void clear_ways() noexcept {
-        for (BoxPairBlock::Column& centre : near.centre) std::fill(std::begin(centre), std::end(centre), 0.0f);
-        std::fill(std::begin(near.unit), std::end(near.unit), 1.0f);
+    Work() { clear_ways(), clear_ways_of(near.edges); }
+    static void clear_ways_of(BoxPairBlock& block) noexcept {
+        for (BoxPairBlock::Column& centre : block.centre) std::fill(std::begin(centre), std::end(centre), 0.0f);
+        std::fill(std::begin(block.unit), std::end(block.unit), 1.0f);
     }
+    void clear_ways() noexcept { clear_ways_of(near.faces); }
 
     // Pairs that float cannot take as they are.
     void place_all_unusual(const BatchInput& input, BoxLanes lanes) {
-        for (std::size_t bundle = 0; bundle < bundle_count(near.count); ++bundle) {
+        BoxPairBlock& block = near.faces;
+        for (std::size_t bundle = 0; bundle < bundle_count(block.count); ++bundle) {
             bool any = false;
-            for (std::size_t i = bundle * kBundleWidth; i < std::min(near.count, (bundle + 1) * kBundleWidth); ++i) {
-                if (near.unusual[i] == 0) continue;
-                const ShapePair pair = input.pair(static_cast<std::uint32_t>(near.pair[i]));
+            for (std::size_t i = bundle * kBundleWidth; i < std::min(block.count, (bundle + 1) * kBundleWidth); ++i) {
+                if (block.unusual[i] == 0) continue;
+                const ShapePair pair = input.pair(static_cast<std::uint32_t>(block.pair[i]));
                 if (is_finite(pair.pose_a) && is_finite(pair.pose_b)) {
-                    place_unusual(pair, near, i);
+                    place_unusual(pair, block, i);
                 } else {  // refused once all is done: apart until then
-                    put(near.offset, i, dvec3(std::numeric_limits<double>::quiet_NaN()));
+                    put(block.offset, i, dvec3(std::numeric_limits<double>::quiet_NaN()));
+                    near.all_finite = false;
                 }
                 any = true;
             }
-            if (any) find_box_axes(near, bundle, lanes);
+            if (any) find_box_axes(block, bundle, lanes);
         }
     }
 
-    // Says where the manifolds of a bundle go, `first` and after. @return how many there are.
-    std::size_t number_manifolds(const BatchInput& input, std::size_t bundle, std::size_t first, Workspace& workspace) {
-        corners.clear();
-        corners_to.clear();
-        std::size_t next = first;
+    // Says which places of `out`, from `first` on, the manifolds of a bundle go to, and fills those that need more than lanes.
+    void assign_places(const BatchInput& input, const BoxPairBlock& block, std::size_t bundle, std::size_t first, Workspace& workspace,
+                       ManifoldList& out) {
         for (std::size_t lane = 0; lane < kBundleWidth; ++lane) {
             const std::size_t i = bundle * kBundleWidth + lane;
-            const bool is_near = i < near.count && near.code[i] != kApart, is_patch = is_near && patch.count.lane[lane] > 0;
-            to.lane[lane] = is_patch ? static_cast<std::int32_t>(next) : kNoManifold;
-            next += is_patch ? 1 : 0;
-            if (is_patch || !is_near) continue;
+            const bool is_near = i < block.count && block.code[i] != kApart, is_patch = is_near && patch.count.lane[lane] > 0;
+            to.lane[lane] = is_patch ? static_cast<std::int32_t>(first) + block.place[i] : kNoManifold;
+            if (is_patch || i >= block.count) continue;
+            const std::size_t place = first + static_cast<std::size_t>(block.place[i]);
             // The axes lie within the margin, but the faces are not over each other: corner to corner or corner to edge. The true
             // distance decides.
-            const auto pair = static_cast<std::uint32_t>(near.pair[i]);
-            run_pair(input.pair(pair), {box_box_alone, nullptr, false}, pair, workspace, corners);
-            if (corners.size() > corners_to.size()) corners_to.push_back(static_cast<std::uint32_t>(next++));
+            corner.clear();
+            const auto pair = static_cast<std::uint32_t>(block.pair[i]);
+            if (is_near) run_pair(input.pair(pair), {box_box_alone, nullptr, false}, pair, workspace, corner);
+            if (corner.size() > 0) {
+                out.data()[place] = corner[0];
+            } else {
+                out.data()[place].count = 0;
+                any_hole = true;
+            }
         }
-        return next - first;
     }
 
-    void finish(const BatchInput& input, std::size_t bundle, Workspace& workspace, ManifoldList& out, BoxLanes lanes) {
-        build_box_patch(near, bundle, patch, lanes);
+    void finish_faces(const BatchInput& input, std::size_t bundles, std::size_t first, Workspace& workspace, ManifoldList& out,
+                      BoxLanes lanes) {
+        for (std::size_t bundle = 0; bundle < bundles; ++bundle) {
+            build_box_patch(near.faces, bundle, patch, lanes);
+            assign_places(input, near.faces, bundle, first, workspace, out);
+            write_box_manifolds(near.faces, bundle, patch, to, out.data(), lanes);
+        }
+        near.faces.drop_before(bundles);
+    }
+    void finish_edges(const BatchInput& input, std::size_t bundles, std::size_t first, Workspace& workspace, ManifoldList& out,
+                      BoxLanes lanes) {
+        for (std::size_t bundle = 0; bundle < bundles; ++bundle) {
+            build_edge_patch(near.edges, bundle, patch, lanes);
+            assign_places(input, near.edges, bundle, first, workspace, out);
+            write_edge_manifolds(near.edges, bundle, patch, to, out.data(), lanes);
+        }
+        near.edges.drop_before(bundles);
+    }
+
+    // Pairs that are boxes all. Those near that fill no bundle wait for what comes after. @return whether the poses are known to be finite.
+    bool collide(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, ManifoldList& out, BoxLanes lanes) {
         const std::size_t first = out.size();
-        out.add_unwritten(number_manifolds(input, bundle, first, workspace));
-        write_box_manifolds(near, bundle, patch, to, out.data(), lanes);
-        for (std::size_t k = 0; k < corners.size(); ++k) out.data()[corners_to[k]] = corners[k];
-    }
-
-    // Pairs that are boxes all. Those near that fill no bundle wait for what comes after.
-    void collide(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, ManifoldList& out, BoxLanes lanes) {
-        near.count = 0;
+        near.faces.count = near.edges.count = 0;
+        near.listed = 0;
+        near.all_finite = true;
+        any_hole = false;
         for (std::size_t begin = 0; begin < chosen.size(); begin += kBlock) {
             const std::size_t end = std::min(begin + kBlock, chosen.size());
-            near.any_unusual = false;
+            near.faces.any_unusual = false;
             find_near_boxes(input, chosen.subspan(begin, end - begin), near, lanes);
-            if (near.any_unusual) place_all_unusual(input, lanes);
-            const bool all = near.any_unusual || end == chosen.size();
-            const std::size_t bundles = all ? bundle_count(near.count) : near.count / kBundleWidth;
-            for (std::size_t bundle = 0; bundle < bundles; ++bundle) finish(input, bundle, workspace, out, lanes);
-            if (near.any_unusual) clear_ways();
-            all ? void(near.count = 0) : near.drop_before(bundles);
+            if (near.faces.any_unusual) place_all_unusual(input, lanes);
+            out.add_unwritten(first + static_cast<std::size_t>(near.listed) - out.size());
+            const bool last = end == chosen.size();
+            const auto ready = [](const BoxPairBlock& block, bool all) {
+                return all ? bundle_count(block.count) : block.count / kBundleWidth;
+            };
+            finish_faces(input, ready(near.faces, last || near.faces.any_unusual), first, workspace, out, lanes);
+            finish_edges(input, ready(near.edges, last), first, workspace, out, lanes);
+            if (near.faces.any_unusual) clear_ways();
         }
+        if (any_hole) close_holes(first, out);
+        return near.all_finite;
+    }
+
+    static void close_holes(std::size_t first, ManifoldList& out) {
+        std::size_t next = first;
+        for (std::size_t from = first; from < out.size(); ++from) {
+            if (out[from].count > 0) out.data()[next++] = out[from];
+        }
+        out.shorten(next);
     }
 };
 
@@ -157,9 +190,13 @@ Work& thread_work() {
 
 void BoxPairBlock::drop_before(std::size_t first) noexcept {
     if (first == 0) return;
+    if (first * kBundleWidth >= count) {
+        count = 0;
+        return;
+    }
     const auto drop = [from = first * kBundleWidth](auto& column) { std::memcpy(column, column + from, kBundleWidth * sizeof(column[0])); };
     const auto drop_three = [&](Column(&columns)[3]) { drop(columns[0]), drop(columns[1]), drop(columns[2]); };
-    drop_three(half_a), drop_three(half_b), drop_three(offset), drop(margin), drop(separation), drop(code), drop(pair);
+    drop_three(half_a), drop_three(half_b), drop_three(offset), drop(margin), drop(separation), drop(code), drop(pair), drop(place);
     for (int i = 0; i < 3; ++i) drop_three(rotation[i]), drop_three(axis_a[i]);
     count -= first * kBundleWidth;
 }
@@ -175,7 +212,10 @@ void box_box_single(const ShapePair& pair, std::uint32_t index, Workspace& works
 }
 
 void box_box(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, ManifoldList& out) {
-    thread_work().collide(input, chosen, workspace, out, BoxLanes::All);
+    box_box_proving(input, chosen, workspace, out);
+}
+bool box_box_proving(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, ManifoldList& out) {
+    return thread_work().collide(input, chosen, workspace, out, BoxLanes::All);
 }
 
 }  // namespace carom::detail

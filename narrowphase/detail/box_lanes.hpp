@@ -44,14 +44,23 @@ struct BoxPairBlock {
     Column separation = {};      ///< greatest of all axes
     Numbers code = {};           ///< of that axis; kApart: farther apart than the margin, which is certain
     Numbers pair = {};           ///< in the batch
+    Numbers place = {};          ///< of the pair among all that are near
     Numbers unusual = {};        ///< 1: float cannot take it as it is, and the numbers above mean nothing yet
     Column centre[3] = {};       ///< of the part of A that is worked on, along A's axes [m]
     Column unit = {};            ///< metres of a unit of the above, a power of two
     std::size_t count = 0;       ///< beyond are lanes that hold anything finite or not
     bool any_unusual = false;    ///< otherwise `unusual` is not to be read
 
-    /// Forgets the pairs before bundle `first`, after which there are fewer than a bundle's.
+    /// Forgets the pairs before bundle `first`, after which there are fewer than a bundle's, or none.
     void drop_before(std::size_t first) noexcept;
+};
+
+/// The pairs that are not apart, in two lists.
+struct BoxesNear {
+    BoxPairBlock faces;
+    BoxPairBlock edges;       ///< they meet by two edges alone, whose crossing is their one point
+    std::int32_t listed = 0;  ///< in both: the next place
+    bool all_finite = true;   ///< the poses of all pairs that were looked at, but of unusual ones; false proves nothing
 };
 
 /// Codes of candidates: corner k of B's face is k, corner k of A's is 4 + k, edge k of B's face across side s of A's is 8 + 4 s + k, and the
@@ -81,14 +90,14 @@ struct BoxPatchBundle {
 inline constexpr std::int32_t kNoManifold = std::numeric_limits<std::int32_t>::max();
 
 /// Brings pairs into the frames of their first boxes, finds the axis along which each is farthest apart, and lists those that are not
-/// apart after those in the block, in their order. Positions are differences of three floats each, which hold all of a double, so the
-/// distance from the world's origin does not matter. Listed too are the `unusual` pairs, which float cannot take as they are: sizes that
+/// apart after those that `out` has, in their order. Positions are subtracted in double, so the distance from the world's origin does not
+/// matter. Listed too are the `unusual` pairs, which float cannot take as they are: sizes that
 /// differ by much, or are out of its range.
 /// @param chosen  at most kPairs, boxes all.
 /// Method: Gottschalk, Lin, Manocha, OBBTree (1996), sec. 5, with normalised edge axes. An edge axis wins over the faces only where it is
 /// better by kWidePreference of the size.
 /// Accuracy: rotations within 2e-7, offsets within 3e-7 of their length; separations within 1e-6 of the larger box's longest edge.
-void find_near_boxes(const BatchInput& input, std::span<const std::uint32_t> chosen, BoxPairBlock& out, BoxLanes lanes = BoxLanes::All);
+void find_near_boxes(const BatchInput& input, std::span<const std::uint32_t> chosen, BoxesNear& out, BoxLanes lanes = BoxLanes::All);
 
 /// Finds the axes of sixteen pairs anew: of unusual ones, whose numbers have been put in their place.
 void find_box_axes(BoxPairBlock& block, std::size_t bundle, BoxLanes lanes = BoxLanes::All);
@@ -99,9 +108,15 @@ void find_box_axes(BoxPairBlock& block, std::size_t bundle, BoxLanes lanes = Box
 /// corner to edge, which only the distance decides. Of pairs that are apart it means nothing.
 void build_box_patch(const BoxPairBlock& block, std::size_t bundle, BoxPatchBundle& patch, BoxLanes lanes = BoxLanes::All);
 
+/// The same of pairs that meet by edges alone: the first point of the patch, or none.
+void build_edge_patch(const BoxPairBlock& block, std::size_t bundle, BoxPatchBundle& patch, BoxLanes lanes = BoxLanes::All);
+
 /// Names the points of patches and writes them as manifolds, in world axes about A's centre.
 /// @param to  which manifold each becomes; kNoManifold: none.
 void write_box_manifolds(const BoxPairBlock& block, std::size_t bundle, const BoxPatchBundle& patch, const IntBundle& to,
                          Manifold* manifolds, BoxLanes lanes = BoxLanes::All);
+/// The same of patches of build_edge_patch().
+void write_edge_manifolds(const BoxPairBlock& block, std::size_t bundle, const BoxPatchBundle& patch, const IntBundle& to,
+                          Manifold* manifolds, BoxLanes lanes = BoxLanes::All);
 
 }  // namespace carom::detail

@@ -34,24 +34,23 @@ struct Sources {
     const vec3* half[kStep];
 };
 
-// A double as three floats that add up to it.
-struct ThreeParts {
-    Floats part[3];
-};
-// One box of each lane, in the world.
-struct WideBox {
-    Floats3 axis[3];
-    Floats3 half;
-    ThreeParts position[3];
+// Two boxes of each lane: axes and B's position from A's in the world.
+struct WideBoxes {
+    Floats3 axis_a[3], axis_b[3];
+    Floats3 half_a, half_b;
+    Floats3 between;
 };
 
 using HalfTag = hn::Rebind<float, DoubleTag>;  // as many floats as there are doubles in a vector
 using HalfFloats = hn::Vec<HalfTag>;
 
-HWY_INLINE HalfFloats to_half(Doubles a) { return hn::DemoteTo(HalfTag(), a.raw); }
 #if HWY_TARGET == HWY_SCALAR
+HWY_INLINE HalfFloats to_half(Doubles a) {
+    return HalfFloats(static_cast<float>(a.raw.raw));
+}  // DemoteTo() would make infinite numbers finite
 HWY_INLINE Floats joined(const HalfFloats (&parts)[kParts]) { return Floats{parts[0]}; }
 #else
+HWY_INLINE HalfFloats to_half(Doubles a) { return hn::DemoteTo(HalfTag(), a.raw); }
 HWY_INLINE Floats joined(const HalfFloats (&parts)[kParts]) { return Floats{hn::Combine(FloatTag(), parts[1], parts[0])}; }
 #endif
 
@@ -67,86 +66,126 @@ HWY_INLINE void read_axes(const WidePose& pose, HalfFloats (&axis)[9][kParts], i
     for (int k = 0; k < 9; ++k) axis[k][part] = to_half(axes[k]);
 }
 
-HWY_INLINE WideBox read_boxes(const Sources& from) {
-    HalfFloats axis[9][kParts], position[9][kParts];
+HWY_INLINE WideBoxes read_boxes(const Sources& from_a, const Sources& from_b) {
+    HalfFloats axis_a[9][kParts], axis_b[9][kParts], between[3][kParts];
 #pragma GCC unroll 2
     for (int part = 0; part < kParts; ++part) {
-        const WidePose pose = read_poses(from.pose + part * kDoubleLanes);
-        read_axes(pose, axis, part);
+        const WidePose a = read_poses(from_a.pose + part * kDoubleLanes), b = read_poses(from_b.pose + part * kDoubleLanes);
+        read_axes(a, axis_a, part);
+        read_axes(b, axis_b, part);
 #pragma GCC unroll 3
-        for (int i = 0; i < 3; ++i) {
-            Doubles rest = pose.position[i];
-#pragma GCC unroll 3
-            for (int k = 0; k < 3; ++k) {
-                position[3 * i + k][part] = to_half(rest);
-                rest = rest - Doubles(hn::PromoteTo(DoubleTag(), position[3 * i + k][part]));
-            }
-        }
+        for (int i = 0; i < 3; ++i) between[i][part] = to_half(b.position[i] - a.position[i]);
     }
-    const auto row = [&](int k) { return Floats3{joined(axis[k]), joined(axis[k + 1]), joined(axis[k + 2])}; };
-    const auto parts = [&](int k) { return ThreeParts{{joined(position[k]), joined(position[k + 1]), joined(position[k + 2])}}; };
-    return {{row(0), row(3), row(6)}, read_half_extents(from.half), {parts(0), parts(3), parts(6)}};
+    const auto row = [](const HalfFloats(&axis)[9][kParts], int k) {
+        return Floats3{joined(axis[k]), joined(axis[k + 1]), joined(axis[k + 2])};
+    };
+    return {{row(axis_a, 0), row(axis_a, 3), row(axis_a, 6)},
+            {row(axis_b, 0), row(axis_b, 3), row(axis_b, 6)},
+            read_half_extents(from_a.half),
+            read_half_extents(from_b.half),
+            {joined(between[0]), joined(between[1]), joined(between[2])}};
 }
 
-HWY_INLINE Floats longest(const WideBox& box) { return max(max(box.half.x, box.half.y), box.half.z); }
-HWY_INLINE Floats diagonal(const WideBox& box) { return length(box.half); }
-
-// A difference or a sum, and what its rounding took (Knuth 1969, vol. 2, 4.2.2, theorem B).
-struct Rounded {
-    Floats value, error;
-};
-HWY_INLINE Rounded sum_of(Floats a, Floats b) {
-    const Floats sum = a + b, b_seen = sum - a;
-    return {sum, (a - (sum - b_seen)) + (b - b_seen)};
-}
-
-// A coordinate of B's centre from A's, in the world: the parts may cancel, so what rounding takes of the first two differences is kept.
-HWY_INLINE Floats difference(const ThreeParts& from, const ThreeParts& to) {
-    const Rounded large = sum_of(to.part[0], -from.part[0]), middle = sum_of(to.part[1], -from.part[1]);
-    const Rounded sum = sum_of(large.value, middle.value);
-    return sum.value + ((sum.error + (large.error + middle.error)) + (to.part[2] - from.part[2]));
-}
+HWY_INLINE Floats longest(const Floats3& v) { return max(max(v.x, v.y), v.z); }
 
 // What float cannot take as it is.
-HWY_INLINE Mask is_unusual(const WideBox& a, const WideBox& b, Floats margin) {
-    const Floats most_a = longest(a), most_b = longest(b), most = max(most_a, most_b), reach(kUnusualRatio), far(kMostDistance);
-    const Mask sizes = (most_a > reach * (diagonal(b) + margin)) | (most_b > reach * (diagonal(a) + margin));
-    Floats distance(0.0f);
-#pragma GCC unroll 3
-    for (int i = 0; i < 3; ++i) distance = max(max(abs(a.position[i].part[0]), abs(b.position[i].part[0])), distance);
-    return (margin != margin) | sizes | (most <= Floats(kSmallestUsual)) | (most >= Floats(kLargestUsual)) | (distance > far);
+HWY_INLINE Mask is_unusual(const WideBoxes& boxes, Floats margin) {
+    const Floats most_a = longest(boxes.half_a), most_b = longest(boxes.half_b), most = max(most_a, most_b), reach(kUnusualRatio);
+    const Mask sizes = (most_a > reach * (length(boxes.half_b) + margin)) | (most_b > reach * (length(boxes.half_a) + margin));
+    const Floats distance = longest({abs(boxes.between.x), abs(boxes.between.y), abs(boxes.between.z)});
+    return (margin != margin) | sizes | (most <= Floats(kSmallestUsual)) | (most >= Floats(kLargestUsual)) |
+           (distance > Floats(kMostDistance));
 }
 
-HWY_INLINE WidePair pair_of(const WideBox& a, const WideBox& b, Floats margin) {
-    const Floats3 offset{difference(a.position[0], b.position[0]), difference(a.position[1], b.position[1]),
-                         difference(a.position[2], b.position[2])};
-    const auto row = [&](int i) { return Floats3{dot(a.axis[i], b.axis[0]), dot(a.axis[i], b.axis[1]), dot(a.axis[i], b.axis[2])}; };
-    return {a.half, b.half, {row(0), row(1), row(2)}, {dot(a.axis[0], offset), dot(a.axis[1], offset), dot(a.axis[2], offset)}, margin};
+HWY_INLINE WidePair pair_of(const WideBoxes& boxes, Floats margin) {
+    const auto& a = boxes.axis_a;
+    const auto& b = boxes.axis_b;
+    const auto row = [&](int i) { return Floats3{dot(a[i], b[0]), dot(a[i], b[1]), dot(a[i], b[2])}; };
+    return {boxes.half_a,
+            boxes.half_b,
+            {row(0), row(1), row(2)},
+            {dot(a[0], boxes.between), dot(a[1], boxes.between), dot(a[2], boxes.between)},
+            margin};
 }
 
-// Of poses that are not finite, which are refused once all is done, rotation or offset are not either.
+// Of poses that are not finite rotation or offset are not either: what is infinite or NaN stays so in sums and products.
 HWY_INLINE Mask is_finite(const WidePair& pair) {
     const auto sum = [](const Floats3& v) { return (v.x + v.y) + v.z; };
     const Floats all = (sum(pair.rotation[0]) + sum(pair.rotation[1])) + (sum(pair.rotation[2]) + sum(pair.offset));
     return abs(all) < Floats(std::numeric_limits<float>::infinity());
 }
 
-HWY_INLINE void append(const WidePair& pair, const WideBox& a, const BestAxis& best, Mask unusual, Ints number, Mask kept,
+// Whether no points of faces are looked for: edges decide, and neither face is square to the normal nor do both face it. Where rounding has it
+// otherwise than build_box_patch(), either is right.
+HWY_INLINE Mask by_edges_alone(const WidePair& pair, Ints code) {
+    const Ints edge = code - Ints(kFirstEdge);
+    const Mask is_edge = edge >= Ints(0), i0 = edge < Ints(3), i1 = edge < Ints(6);
+    const Ints j = edge - select(i0, Ints(0), select(i1, Ints(3), Ints(6)));
+    const Mask j0 = j == Ints(0), j1 = j == Ints(1);
+    const auto& [r0, r1, r2] = pair.rotation;
+    const Floats3 b{select(j0, r0.x, select(j1, r0.y, r0.z)), select(j0, r1.x, select(j1, r1.y, r1.z)),
+                    select(j0, r2.x, select(j1, r2.y, r2.z))};
+    const Floats zero(0.0f);
+    const Floats3 n{select(i0, zero, select(i1, b.z, -b.y)), select(i0, -b.z, select(i1, zero, b.x)),
+                    select(i0, b.y, select(i1, -b.x, zero))};
+    const Floats3 along_b = n.x * r0 + (n.y * r1 + n.z * r2);
+    const Floats facing_a = longest({n.x * n.x, n.y * n.y, n.z * n.z});
+    const Floats facing_b = longest({along_b.x * along_b.x, along_b.y * along_b.y, along_b.z * along_b.z});
+    const Floats length_sq = dot(n, n);
+    const auto within = [&](double cosine) { return Floats(static_cast<float>(cosine * cosine)) * length_sq; };
+    return is_edge & (max(facing_a, facing_b) < within(kSquareCosine)) & (min(facing_a, facing_b) < within(kFacingCosine));
+}
+
+// Which lanes go where.
+struct Chosen {
+    decltype(hn::IndicesFromVec(IntTag(), RawInts())) lanes;  // the first `count` of these
+    Ints place;                                               // of each
+    std::size_t count;
+
+    HWY_INLINE Ints of(Ints x) const { return Ints{hn::TableLookupLanes(x.raw, lanes)}; }
+    HWY_INLINE Floats of(Floats x) const { return as_floats(of(as_ints(x))); }
+};
+// The lanes of `m`, in order. @param places  by lane.
+HWY_INLINE Chosen choose(Ints lanes, Mask m, Ints places) {
+    alignas(64) std::int32_t numbers[kStep], to[kStep];
+    const std::size_t count = compress_store(lanes, m, numbers);
+    compress_store(places, m, to);
+    return {hn::IndicesFromVec(IntTag(), load(numbers).raw), load(to), count};
+}
+
+HWY_INLINE void append(const WidePair& pair, const WideBoxes& boxes, const BestAxis& best, Mask unusual, Ints number, const Chosen& chosen,
                        BoxPairBlock& out) {
     const std::size_t at = out.count;
-    const auto put = [&](Floats x, float* to) { compress_store(as_ints(x), kept, reinterpret_cast<std::int32_t*>(to) + at); };
+    const auto put = [&](Floats x, float* to) { hn::StoreU(chosen.of(x).raw, FloatTag(), to + at); };
+    const auto put_number = [&](Ints x, std::int32_t* to) { hn::StoreU(x.raw, IntTag(), to + at); };
     const auto put_three = [&](const Floats3& v, BoxPairBlock::Column* to) { put(v.x, to[0]), put(v.y, to[1]), put(v.z, to[2]); };
     put_three(pair.half_a, out.half_a), put_three(pair.half_b, out.half_b), put_three(pair.offset, out.offset);
 #pragma GCC unroll 3
-    for (int i = 0; i < 3; ++i) put_three(pair.rotation[i], out.rotation[i]), put_three(a.axis[i], out.axis_a[i]);
+    for (int i = 0; i < 3; ++i) put_three(pair.rotation[i], out.rotation[i]), put_three(boxes.axis_a[i], out.axis_a[i]);
     put(pair.margin, out.margin), put(best.separation, out.separation);
-    compress_store(best.code, kept, out.code + at);
-    if (any(unusual & kept)) {
+    put_number(chosen.of(best.code), out.code), put_number(chosen.of(number), out.pair), put_number(chosen.place, out.place);
+    if (any(unusual)) {
         if (!out.any_unusual) std::fill_n(out.unusual, at, 0);
         out.any_unusual = true;
     }
-    if (out.any_unusual) compress_store(select(unusual, Ints(1), Ints(0)), kept, out.unusual + at);
-    out.count += compress_store(number, kept, out.pair + at);
+    if (out.any_unusual) put_number(chosen.of(select(unusual, Ints(1), Ints(0))), out.unusual);
+    out.count += chosen.count;
+}
+
+// Lists the lanes of `kept`: those that meet by edges alone by themselves.
+HWY_INLINE void list(const WidePair& pair, const WideBoxes& boxes, const BestAxis& best, Mask unusual, Ints number, Mask kept,
+                     BoxesNear& out) {
+    alignas(64) std::int32_t dense[kStep];
+    const Mask alone = by_edges_alone(pair, best.code) & !unusual;
+    const std::size_t count = compress_store(lane_numbers(), kept, dense);  // the places are theirs
+    if (count == 0) return;
+    const Ints lanes = load(dense), place = lane_numbers() + Ints(out.listed);
+    const auto order = hn::IndicesFromVec(IntTag(), lanes.raw);
+    const Mask is_alone = Ints{hn::TableLookupLanes(select(alone, Ints(1), Ints(0)).raw, order)} == Ints(1);
+    const Mask is_there = first_lanes(static_cast<int>(count));
+    append(pair, boxes, best, unusual & kept, number, choose(lanes, is_there & !is_alone, place), out.faces);
+    if (any(is_there & is_alone)) append(pair, boxes, best, first_lanes(0), number, choose(lanes, is_there & is_alone, place), out.edges);
+    out.listed += static_cast<std::int32_t>(count);
 }
 
 // Where the boxes of as many pairs as there are lanes lie. Those that follow are fetched: poses are read once, and in any order.
@@ -172,8 +211,9 @@ HWY_INLINE void find_sources(const BatchInput& input, const std::uint32_t* chose
     }
 }
 
-void FindNear(const BatchInput& input, std::span<const std::uint32_t> chosen, BoxPairBlock& out) {
+void FindNear(const BatchInput& input, std::span<const std::uint32_t> chosen, BoxesNear& out) {
     Bundle from;
+    Mask not_finite = first_lanes(0);
     std::uint32_t last[kStep];
     for (std::size_t first = 0; first < chosen.size(); first += kStep) {
         const std::size_t count = std::min(kStep, chosen.size() - first);
@@ -181,14 +221,16 @@ void FindNear(const BatchInput& input, std::span<const std::uint32_t> chosen, Bo
             for (std::size_t l = 0; l < kStep; ++l) last[l] = chosen[first + std::min(l, count - 1)];
         }
         find_sources(input, count < kStep ? last : chosen.data() + first, from);
-        const WideBox a = read_boxes(from.a), b = read_boxes(from.b);
+        const WideBoxes boxes = read_boxes(from.a, from.b);
         const Floats margin = load(from.margin);
-        const WidePair pair = pair_of(a, b, margin);
-        const Mask unusual = is_unusual(a, b, margin);
+        const WidePair pair = pair_of(boxes, margin);
+        const Mask unusual = is_unusual(boxes, margin), finite = is_finite(pair);
         const BestAxis best = best_axis(pair);
-        const Mask kept = (((!best.apart) & is_finite(pair)) | unusual) & first_lanes(static_cast<int>(count));
-        append(pair, a, best, unusual, load(from.number), kept, out);
+        not_finite = not_finite | !(finite | unusual);
+        const Mask kept = (((!best.apart) & finite) | unusual) & first_lanes(static_cast<int>(count));
+        list(pair, boxes, best, unusual, load(from.number), kept, out);
     }
+    if (any(not_finite)) out.all_finite = false;
 }
 
 void FindAxes(BoxPairBlock& block, std::size_t bundle, int lanes) {
@@ -216,7 +258,7 @@ namespace carom::detail {
 HWY_EXPORT(FindNear);
 HWY_EXPORT(FindAxes);
 
-void find_near_boxes(const BatchInput& input, std::span<const std::uint32_t> chosen, BoxPairBlock& out, BoxLanes lanes) {
+void find_near_boxes(const BatchInput& input, std::span<const std::uint32_t> chosen, BoxesNear& out, BoxLanes lanes) {
     if (lanes == BoxLanes::First) return CAROM_NARROW_DISPATCH(FindNear)(input, chosen, out);
     HWY_DYNAMIC_DISPATCH(FindNear)(input, chosen, out);
 }

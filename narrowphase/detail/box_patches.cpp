@@ -180,7 +180,8 @@ void add_face_points(const Faces& f, Mask wanted, Floats margin, WideCandidates&
         const Mask crosses_0 = crosses(0), crosses_1 = crosses(1), crosses_3 = crosses(3);
         const Mask crossed = crosses_0 | crosses_1 | crosses(2);  // a line crosses two edges of a parallelogram, or none
         if (none(crossed)) continue;
-        const auto cross = [&](int edge, const Mask& is_edge, const Mask& is_next) __attribute__((always_inline)) {  // otherwise it is the one after that
+        const auto cross = [&](int edge, const Mask& is_edge, const Mask& is_next)
+            __attribute__((always_inline)) {  // otherwise it is the one after that
             const auto of = [&](const Floats* v, int k) {
                 return select(is_edge, v[(edge + k) % 4], select(is_next, v[(edge + k + 1) % 4], v[(edge + k + 2) % 4]));
             };
@@ -196,10 +197,9 @@ void add_face_points(const Faces& f, Mask wanted, Floats margin, WideCandidates&
     }
 }
 
-/// Where the two edges of an edge axis cross, seen along the normal.
-HWY_INLINE void add_edge_point(const Pair& p, const EdgeAxis& edges, const Floats3& n, const Floats3& n_b, Floats separation,
-                               Floats tolerance, const Faces& f, WideCandidates& out) {
-    if (none(edges.any)) return;
+/// Where the two edges of an edge axis cross, seen along the normal; no point where they do so beyond their ends.
+HWY_INLINE WidePoint edge_point(const Pair& p, const EdgeAxis& edges, const Floats3& n, const Floats3& n_b, Floats separation,
+                                Floats tolerance, const Faces& f) {
     const Floats zero(0.0f);
     const Floats3 corner_a{select(edges.i[0], zero, with_sign(p.half_a.x, n.x)), select(edges.i[1], zero, with_sign(p.half_a.y, n.y)),
                            select(edges.i[2], zero, with_sign(p.half_a.z, n.z))};
@@ -218,7 +218,7 @@ HWY_INLINE void add_edge_point(const Pair& p, const EdgeAxis& edges, const Float
     const Mask cross_within = edges.any & (abs(s) <= half_a + tolerance) & (abs(t) <= half_b + tolerance);
     const Floats3 point = Floats(0.5f) * ((corner_a + s * direction_a) + (middle_b + t * edges.direction_b));
     const Floats3 cycled = f.axis_a.cycled(point);
-    out.add(dot(cycled, f.across_u) - f.cu, dot(cycled, f.across_w) - f.cw, separation, cross_within, Ints(kEdges));
+    return select(cross_within, {dot(cycled, f.across_u) - f.cu, dot(cycled, f.across_w) - f.cw, separation, Ints(kEdges)}, no_point());
 }
 
 /// The corner of a face, whose half edges are p and q about `centre`, that a point lies at; -1 for none.
@@ -232,7 +232,8 @@ HWY_INLINE Ints corner_near(Floats u, Floats w, const Floats (&corner_u)[4], con
     return found;
 }
 
-void write_points(const Pair& p, const Faces& f, const WideChoice& chosen, BoxPatchBundle& out, int lane) {
+template <int count>
+HWY_INLINE void write_points(const Pair& p, const Faces& f, const WidePoint (&points)[count], BoxPatchBundle& out, int lane) {
     Floats a_u[4], a_w[4], b_u[4], b_w[4];
 #pragma GCC unroll 4
     for (int k = 0; k < 4; ++k) {
@@ -248,8 +249,8 @@ void write_points(const Pair& p, const Faces& f, const WideChoice& chosen, BoxPa
     const Floats snap = Floats(static_cast<float>(2.0 * kSnap)) * min(min(half_a.y, half_a.z), min(half_b.y, half_b.z));
     const Floats inverse_pu = Floats(1.0f) / f.pu, inverse_qw = Floats(1.0f) / f.qw;
 #pragma GCC unroll 4
-    for (std::size_t k = 0; k < 4; ++k) {
-        const WidePoint& point = chosen.points[k];
+    for (std::size_t k = 0; k < count; ++k) {
+        const WidePoint& point = points[k];
         const Floats t = point.w * inverse_qw;
         const Floats s = (point.u - t * f.qu) * inverse_pu;
         const Floats height = f.height + (s * f.height_p + t * f.height_q) + Floats(0.5f) * point.separation;
@@ -264,7 +265,22 @@ void write_points(const Pair& p, const Faces& f, const WideChoice& chosen, BoxPa
         store(corner_near(point.u, point.w, a_u, a_w, snap * snap), to.corner_a.lane + lane);
         store(corner_near(point.u, point.w, b_u, b_w, snap * snap), to.corner_b.lane + lane);
     }
-    store(chosen.count, out.count.lane + lane);
+}
+
+HWY_INLINE Floats point_tolerance(const Pair& p) {
+    const Floats3 a = p.half_a, b = p.half_b;
+    return Floats(kWidePointTolerance) * max(max(max(a.x, a.y), a.z), max(max(b.x, b.y), b.z));
+}
+
+HWY_INLINE void write_directions(const Floats3& n, const Floats3& n_b, const Faces& f, BoxPatchBundle& out, int lane) {
+    store(n.x, out.normal[0].lane + lane);
+    store(n.y, out.normal[1].lane + lane);
+    store(n.z, out.normal[2].lane + lane);
+    store(n_b.x, out.normal_b[0].lane + lane);
+    store(n_b.y, out.normal_b[1].lane + lane);
+    store(n_b.z, out.normal_b[2].lane + lane);
+    store(f.axis_a.number(), out.face_a.lane + lane);
+    store(f.axis_b.number(), out.face_b.lane + lane);
 }
 
 void build_patch(const BoxPairBlock& in, std::size_t at, BoxPatchBundle& out, int lane) {
@@ -281,29 +297,41 @@ void build_patch(const BoxPairBlock& in, std::size_t at, BoxPatchBundle& out, in
     const Mask share = (!edges.any) | square | (min(facing_a, facing_b) > Floats(static_cast<float>(kFacingCosine)));
     WideCandidates candidates;
     add_face_points(f, share, p.margin, candidates);
-    const Floats3 half_a = p.half_a, half_b = p.half_b;
-    const Floats most = max(max(max(half_a.x, half_a.y), half_a.z), max(max(half_b.x, half_b.y), half_b.z));
-    const Floats tolerance = Floats(kWidePointTolerance) * most;
-    add_edge_point(p, edges, n, n_b, load(in.separation + at), tolerance, f, candidates);
+    const Floats tolerance = point_tolerance(p);
+    if (any(edges.any)) {
+        const WidePoint point = edge_point(p, edges, n, n_b, load(in.separation + at), tolerance, f);
+        candidates.add(point.u, point.w, point.separation, exists(point), point.code);
+    }
 
     const Floats one(1.0f), slant(0.381966f), zero(0.0f);  // see outline_start()
     const Mask is_1 = f.axis_a.is_1;
     const Floats3 start{zero, select(is_1, slant, one), select(is_1, one, slant)};
     const WideChoice chosen = choose_points(candidates, tolerance, dot(start, f.across_u), start.z * f.across_w.z);
-    write_points(p, f, chosen, out, lane);
-    store(n.x, out.normal[0].lane + lane);
-    store(n.y, out.normal[1].lane + lane);
-    store(n.z, out.normal[2].lane + lane);
-    store(n_b.x, out.normal_b[0].lane + lane);
-    store(n_b.y, out.normal_b[1].lane + lane);
-    store(n_b.z, out.normal_b[2].lane + lane);
-    store(f.axis_a.number(), out.face_a.lane + lane);
-    store(f.axis_b.number(), out.face_b.lane + lane);
+    write_points<4>(p, f, chosen.points, out, lane);
+    store(chosen.count, out.count.lane + lane);
+    write_directions(n, n_b, f, out, lane);
+}
+
+void build_patch_of_edges(const BoxPairBlock& in, std::size_t at, BoxPatchBundle& out, int lane) {
+    const Pair p = read_pair(in, at);
+    const Ints code = load(in.code + at);
+    const EdgeAxis edges = edge_axis(p, code);
+    const Floats3 n = contact_normal(p, code, edges);
+    const Floats3 n_b{dot(n, p.column[0]), dot(n, p.column[1]), dot(n, p.column[2])};
+    const Faces f = make_faces(p, n, n_b);
+    const WidePoint point[1] = {edge_point(p, edges, n, n_b, load(in.separation + at), point_tolerance(p), f)};
+    write_points<1>(p, f, point, out, lane);
+    store(select(exists(point[0]), Ints(1), Ints(0)), out.count.lane + lane);
+    write_directions(n, n_b, f, out, lane);
 }
 
 void BuildPatch(const BoxPairBlock& block, std::size_t bundle, BoxPatchBundle& patch, int lanes) {
     for (int lane = 0; lane < lanes; lane += kLanes)
         build_patch(block, bundle * kBundleWidth + static_cast<std::size_t>(lane), patch, lane);
+}
+void BuildEdgePatch(const BoxPairBlock& block, std::size_t bundle, BoxPatchBundle& patch, int lanes) {
+    for (int lane = 0; lane < lanes; lane += kLanes)
+        build_patch_of_edges(block, bundle * kBundleWidth + static_cast<std::size_t>(lane), patch, lane);
 }
 
 }  // namespace
@@ -316,6 +344,11 @@ HWY_EXPORT(BuildPatch);
 void build_box_patch(const BoxPairBlock& block, std::size_t bundle, BoxPatchBundle& patch, BoxLanes lanes) {
     if (lanes == BoxLanes::First) return CAROM_NARROW_DISPATCH(BuildPatch)(block, bundle, patch, 1);
     HWY_DYNAMIC_DISPATCH(BuildPatch)(block, bundle, patch, kBundleWidth);
+}
+HWY_EXPORT(BuildEdgePatch);
+void build_edge_patch(const BoxPairBlock& block, std::size_t bundle, BoxPatchBundle& patch, BoxLanes lanes) {
+    if (lanes == BoxLanes::First) return CAROM_NARROW_DISPATCH(BuildEdgePatch)(block, bundle, patch, 1);
+    HWY_DYNAMIC_DISPATCH(BuildEdgePatch)(block, bundle, patch, kBundleWidth);
 }
 }  // namespace carom::detail
 #endif

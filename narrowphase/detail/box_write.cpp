@@ -84,6 +84,8 @@ HWY_INLINE PointNames names_of(const BoxPatchBundle::Point& point, int lane, con
 
 HWY_INLINE Floats3 turned(const Floats3 (&axis)[3], const Floats3& v) { return v.x * axis[0] + (v.y * axis[1] + v.z * axis[2]); }
 
+// @tparam kPoints  of a patch at most: 1 or 4.
+template <int kPoints>
 void write_lanes(const BoxPairBlock& block, std::size_t at, const BoxPatchBundle& patch, const IntBundle& places, float* manifolds,
                  int lane) {
     const std::int32_t* const to = places.lane + lane;
@@ -103,7 +105,7 @@ void write_lanes(const BoxPairBlock& block, std::size_t at, const BoxPatchBundle
     Floats row[6 * 4];     // of the four points, as they lie in memory
     Ints low[4], high[4];  // of the names
 #pragma GCC unroll 4
-    for (int k = 0; k < 4; ++k) {
+    for (int k = 0; k < kPoints; ++k) {
         const BoxPatchBundle::Point& point = patch.points[static_cast<std::size_t>(k)];
         const PointNames names = names_of(point, lane, names_a, names_b);
         Mask is_taken = zero > zero;
@@ -130,11 +132,21 @@ void write_lanes(const BoxPairBlock& block, std::size_t at, const BoxPatchBundle
     scatter_rows(manifolds, to, kManifoldStride, 28, as_floats(count), zero, zero, zero, kNoManifold);
 }
 
+template <int kPoints>
+HWY_INLINE void write_bundle(const BoxPairBlock& block, std::size_t bundle, const BoxPatchBundle& patch, const IntBundle& to,
+                             Manifold* manifolds, int lanes) {
+    for (int lane = 0; lane < lanes; lane += kLanes) {
+        write_lanes<kPoints>(block, bundle * kBundleWidth + static_cast<std::size_t>(lane), patch, to, reinterpret_cast<float*>(manifolds),
+                             lane);
+    }
+}
 void WriteManifolds(const BoxPairBlock& block, std::size_t bundle, const BoxPatchBundle& patch, const IntBundle& to, Manifold* manifolds,
                     int lanes) {
-    for (int lane = 0; lane < lanes; lane += kLanes) {
-        write_lanes(block, bundle * kBundleWidth + static_cast<std::size_t>(lane), patch, to, reinterpret_cast<float*>(manifolds), lane);
-    }
+    write_bundle<4>(block, bundle, patch, to, manifolds, lanes);
+}
+void WriteEdgeManifolds(const BoxPairBlock& block, std::size_t bundle, const BoxPatchBundle& patch, const IntBundle& to,
+                        Manifold* manifolds, int lanes) {
+    write_bundle<1>(block, bundle, patch, to, manifolds, lanes);
 }
 
 }  // namespace
@@ -148,6 +160,12 @@ void write_box_manifolds(const BoxPairBlock& block, std::size_t bundle, const Bo
                          Manifold* manifolds, BoxLanes lanes) {
     if (lanes == BoxLanes::First) return CAROM_NARROW_DISPATCH(WriteManifolds)(block, bundle, patch, to, manifolds, 1);
     HWY_DYNAMIC_DISPATCH(WriteManifolds)(block, bundle, patch, to, manifolds, kBundleWidth);
+}
+HWY_EXPORT(WriteEdgeManifolds);
+void write_edge_manifolds(const BoxPairBlock& block, std::size_t bundle, const BoxPatchBundle& patch, const IntBundle& to,
+                          Manifold* manifolds, BoxLanes lanes) {
+    if (lanes == BoxLanes::First) return CAROM_NARROW_DISPATCH(WriteEdgeManifolds)(block, bundle, patch, to, manifolds, 1);
+    HWY_DYNAMIC_DISPATCH(WriteEdgeManifolds)(block, bundle, patch, to, manifolds, kBundleWidth);
 }
 }  // namespace carom::detail
 #endif

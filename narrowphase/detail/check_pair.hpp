@@ -3,6 +3,8 @@
 
 #include <carom/narrowphase/detail/kernel.hpp>
 
+#include <algorithm>
+
 namespace carom::detail {
 
 struct PairFault {
@@ -15,6 +17,13 @@ struct PairFault {
     const dvec3 d = p.position - p.position;
     const dquat& q = p.orientation;
     return d.x + d.y + d.z + (q.x - q.x) + (q.y - q.y) + (q.z - q.z) + (q.w - q.w);
+}
+
+/// @return whether the poses are that pairs name.
+[[nodiscard]] inline bool named_poses_are_finite(const BatchInput& input) noexcept {
+    return std::ranges::all_of(input.pairs, [&](const NumberedPair& pair) {
+        return finite_residue(input.placed.poses[pair.a]) + finite_residue(input.placed.poses[pair.b]) == 0.0;
+    });
 }
 
 [[nodiscard]] inline PairFault fault_of(const ShapePair& pair) noexcept {

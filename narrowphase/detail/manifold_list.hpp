@@ -33,6 +33,8 @@ public:
         count_ += n;
         return all_.data() + (count_ - n);
     }
+    /// Keeps the first `count` only.
+    void shorten(std::size_t count) noexcept { count_ = count; }
     /// Gives away what it holds for the memory of `other`, and is empty.
     void exchange(std::vector<Manifold>& other) {
         all_.resize(count_);
