@@ -255,6 +255,20 @@ StepReport World::step(double dt) {
     return report;
 }
 
+// Bodies that others than the contact solver moved, and those that pass by each other: the next step looks at them again.
+void World::Impl::mark_displaced(const dynamics::StepChoices& choices) {
+    displaced.assign(arrays.roles.size(), 0);
+    if (choices.contacts && choices.restitution) impacts.mark_placed(displaced);
+    if (choices.continuous) {
+        for (const std::uint32_t slot : continuous.displaced()) displaced[slot] = 1;
+    }
+    if (!choices.contacts) return;
+    for (const std::uint32_t p : passing.pairs()) {
+        CAROM_ASSERT(p < contacts.pairs.size());
+        displaced[contacts.pairs[p].body_a.slot] = displaced[contacts.pairs[p].body_b.slot] = 1;
+    }
+}
+
 StepReport World::Impl::take_step(const World& world, double dt) {
     Impl& w = *this;
     w.note_substep(dt);
@@ -320,17 +334,10 @@ StepReport World::Impl::take_step(const World& world, double dt) {
     step.run(Stage::Quarantine, [&] { w.quarantine_unusable(dt, step.report); });
 
     w.contacts_hold = choices.contacts && w.calm_rule().share > 0.0 && w.pairs_complete && step.report.quarantined.empty();
+    w.mark_displaced(choices);  // by the contacts' numbers, which are others once some fell asleep
     if (w.sleepers.is_on()) step.run(Stage::Sleep, [&] { w.fall_asleep(dt, step.report); });
     w.last_substep = dt / w.def.substeps;
     w.looked_for_contacts = choices.contacts;
-    w.displaced.assign(w.arrays.roles.size(), 0);
-    if (choices.contacts && choices.restitution) w.impacts.mark_placed(w.displaced);
-    if (choices.continuous) {
-        for (const std::uint32_t slot : w.continuous.displaced()) w.displaced[slot] = 1;
-    }
-    if (choices.contacts) {  // the next step looks at them again
-        for (const std::uint32_t p : w.passing.pairs()) w.displaced[w.contacts.pairs[p].body_a.slot] = w.displaced[w.contacts.pairs[p].body_b.slot] = 1;
-    }
     step.report.step = ++w.steps;
     if (w.steps % dynamics::kTrimEvery == 0) w.trim_lists();
     if (!step.report.quarantined.empty()) step.report.residual.reset();

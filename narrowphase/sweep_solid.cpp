@@ -33,7 +33,8 @@ struct Tube {
     [[nodiscard]] dvec3 way_to(const dvec3& p) const noexcept {
         const dvec3 from = p - centre;
         const double along = glm::dot(from, axis);
-        const dvec3 across = from - along * axis;
+        dvec3 across = from - along * axis;
+        across -= glm::dot(across, axis) * axis;  // of a point beside a wire what rounding left along it would tilt the plane
         const double out = glm::length(across), beside = std::max(out - radius, 0.0), beyond = std::max(std::abs(along) - half, 0.0);
         return (out > 0.0 ? beside / out : 0.0) * across + std::copysign(beyond, along) * axis;
     }

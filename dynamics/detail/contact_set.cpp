@@ -144,6 +144,7 @@ void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t 
         carry_part(contacts, before, scale, begin, end);  // while they are in the cache
     });
     contacts.order.clear();
+    contacts.patched = false;
     contacts.flying.clear();
     add_parts(contacts);
 }

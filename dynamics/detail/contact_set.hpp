@@ -49,8 +49,9 @@ inline constexpr std::uint32_t kNoPair = ~std::uint32_t{0};
 
 struct ContactSet {
     std::vector<ContactPair> pairs;
-    std::vector<Manifold> manifolds;          ///< of a pair in a row; in the order of the pairs while `order` is empty
-    std::vector<std::uint32_t> order;         ///< of the manifolds in use, in the order of the pairs, where some lie elsewhere or are unused (kNoPair)
+    std::vector<Manifold> manifolds;          ///< of a pair in a row; in the order of the pairs unless it is patched
+    bool patched = false;                     ///< some manifolds lie elsewhere, or are unused (kNoPair)
+    std::vector<std::uint32_t> order;         ///< where it is patched: of the manifolds in use, in the order of the pairs
     std::vector<ManifoldImpulses> impulses;   ///< one for each manifold
     ContactSummary summary;                   ///< of the manifolds
     std::vector<std::uint32_t> flying;        ///< pairs that fly
@@ -58,9 +59,9 @@ struct ContactSet {
     std::vector<std::uint32_t> first_counts;  ///< of each part of the manifolds, likewise
     std::vector<ContactSummary> parts;        ///< of the summary, while it is made
 
-    [[nodiscard]] std::size_t manifold_count() const noexcept { return order.empty() ? manifolds.size() : order.size(); }
+    [[nodiscard]] std::size_t manifold_count() const noexcept { return patched ? order.size() : manifolds.size(); }
     /// The i-th manifold in the order of the pairs, of those in use.
-    [[nodiscard]] std::uint32_t manifold_number(std::size_t i) const noexcept { return order.empty() ? static_cast<std::uint32_t>(i) : order[i]; }
+    [[nodiscard]] std::uint32_t manifold_number(std::size_t i) const noexcept { return patched ? order[i] : static_cast<std::uint32_t>(i); }
 
     /// How many points of a manifold in use are to be solved.
     [[nodiscard]] std::uint32_t solved_points(std::uint32_t manifold) const noexcept {
@@ -71,6 +72,7 @@ struct ContactSet {
         summary = {};
         flying.clear();
         order.clear();
+        patched = false;
         pairs.clear();
         manifolds.clear();
         impulses.clear();

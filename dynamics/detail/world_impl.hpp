@@ -188,6 +188,7 @@ struct World::Impl {
     void patch_contacts(dynamics::Step& step);
     /// Marks the pairs of this step that only pass by each other.
     void find_passing(dynamics::Step& step, const dynamics::Motion& motion);
+    void mark_displaced(const dynamics::StepChoices& choices);
     void solve_contacts(dynamics::Step& step, double dt);
     /// Follows what moved far.
     void follow(dynamics::Step& step, double dt);

@@ -163,5 +163,22 @@ TEST(KeptChurn, AllOfItHasTheSameBitsOnAllThreadsAndWidths) {
     }
 }
 
+// Everything that touched goes in one step: no contact is left, and none is counted.
+TEST(KeptChurn, NoContactIsLeftOfNothing) {
+    Table table;
+    for (int i = 0; i < 2; ++i) table.add({.type = BodyType::Static, .position = {20.0 + 5.0 * i, 0, 0}}, Box{});
+    const BodyId ball = table.add({.position = {0, 0.5, 0}}, Sphere{0.5f});
+    table.run(60);
+    ASSERT_EQ(table.world.contact_count(), 1u);
+    table.world.set_linear_velocity(ball, {0, 5, 0});
+    for (int i = 0; i < 5; ++i) {
+        const StepReport report = table.world.step(kDt);
+        EXPECT_EQ(report.manifolds, report.contacts) << i;
+        EXPECT_EQ(table.world.contact_count(), report.manifolds) << i;
+        for (std::size_t k = 0; k < table.world.contact_count(); ++k) EXPECT_EQ(table.world.contact(k).manifold->count, 1u);
+    }
+    EXPECT_EQ(table.world.contact_count(), 0u);
+}
+
 }  // namespace
 }  // namespace carom

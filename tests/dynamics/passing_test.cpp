@@ -138,6 +138,24 @@ TEST(Passing, WhatPassedIsLookedAtAgainWhereContactsAreKept) {
     }
 }
 
+// Pairs are numbered anew when some fall asleep, in the same step.
+TEST(Passing, WhatPassesWhileOthersFallAsleepIsWhoIsLookedAtAgain) {
+    Table table({.sleep = {.enabled = true, .time = 0.5}});
+    World& world = table.world;
+    for (int i = 0; i < 300; ++i) table.add({.position = {2.0 * (i % 20), 0.5, 20.0 + 2.0 * (i / 20)}}, Box{{0.5f, 0.5f, 0.5f}});
+    const BodyId crate = table.add({.position = {0, 0.5, 0}, .can_sleep = false}, Box{{0.5f, 0.5f, 0.5f}});
+    for (int i = 0; i < 60; ++i) {
+        table.add({.type = BodyType::Kinematic, .position = {-0.93 - 0.15 * i, 1.053, 0.1}, .linear_velocity = {6, 0, 0}}, Box{{0.06f, 0.05f, 0.4f}});
+    }
+    std::size_t both = 0;
+    for (int i = 0; i < 60; ++i) {
+        const StepReport report = world.step(kDt);
+        both += report.fell_asleep > 100 && report.passing > 0 ? 1 : 0;
+    }
+    EXPECT_GT(both, 0u);
+    EXPECT_LT(glm::length(world.pose(crate).position - dvec3{0, 0.5, 0}), 1e-3);
+}
+
 TEST(Passing, WhyNamesIt) {
     CartAboveCrate scene({}, 3e-3);
     bool named = false;

@@ -299,6 +299,19 @@ TEST(SweepSolid, SizelessShapesAndMotionsAreAnswered) {
     EXPECT_EQ(geo::sweep(spear, right, *hull).status, ImpactStatus::Overlapping);
 }
 
+// What rounding leaves of the way along the wire must not be taken for a way across it, which is short.
+TEST(SweepSolid, PointsPassWiresThatTheyMissByLittle) {
+    Random random(0x317e);
+    for (int i = 0; i < 2000; ++i) {
+        const dquat turn = test::random_rotation(random);
+        const dvec3 axis = rotate(turn, dvec3{0, 1, 0}), along = rotate(turn, dvec3{1, 0, 0}), aside = rotate(turn, dvec3{0, 0, 1});
+        const double off = std::pow(10.0, random.range(-10.0, -7.0));
+        const dvec3 middle = random.range(-0.9, 0.9) * axis;
+        const geo::Sphere<double> point{middle - along + off * aside, 0.0};
+        EXPECT_EQ(geo::sweep(point, 2.0 * along, geo::Cylinder<double>{{-axis, axis}, 0.0}).status, ImpactStatus::Separated) << off;
+    }
+}
+
 TEST(SweepSolid, BadInputIsInvalid) {
     constexpr double kInfinity = std::numeric_limits<double>::infinity();
     const geo::Sphere<double> ball{{9, 0, 0}, 1.0};
