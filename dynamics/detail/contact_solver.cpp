@@ -37,7 +37,7 @@ void set_kick(SolverBase& base, const BodyArrays& bodies, std::uint32_t slot, bo
     dvec3 turn = precesses ? dvec3{0.0} : gyroscopic_change(state, mass, settings.dt) / static_cast<double>(settings.substeps);
     if (!bodies.traits.empty()) turn += world_inverse_inertia(state, mass) * bodies.traits[slot].torque * settings.substep();
     set(base.turn, turn);
-    set(base.kick, free_moves(mass.locked) * bodies.acceleration(slot, settings.gravity) * settings.substep());
+    set(base.kick, bodies.pull(slot, settings.gravity) * settings.substep());
 }
 
 /// The double of what the float row held at the start: differences against it keep the low bits of the state.

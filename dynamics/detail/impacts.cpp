@@ -41,7 +41,7 @@ std::uint32_t Impacts::flyer_of(std::uint32_t slot, const BodyArrays& bodies) {
     if (flyer.dynamic) {
         flyer.inverse_mass = mass.inverse_mass * free_moves(mass.locked);
         flyer.inverse_inertia = world_inverse_inertia(state, mass);
-        flyer.pull = free_moves(mass.locked) * bodies.acceleration(slot, gravity_);
+        flyer.pull = bodies.pull(slot, gravity_);
     }
     flyers_.push_back(flyer);
     return flyer_of_slot_[slot];
@@ -212,7 +212,7 @@ bool Impacts::stays_apart(const Bouncer& bouncer, const BodyArrays& bodies) cons
     const Flyer& a = flyers_[bouncer.a];
     const Flyer& b = flyers_[bouncer.b];
     const auto whole_pull = [&](const Flyer& f) {
-        return f.dynamic ? free_moves(bodies.masses[f.slot].locked) * bodies.acceleration(f.slot, gravity_) : dvec3{0.0};
+        return f.dynamic ? bodies.pull(f.slot, gravity_) : dvec3{0.0};
     };
     const double pull = glm::dot(bouncer.normal, whole_pull(b) - whole_pull(a));
     const double more = pull - glm::dot(bouncer.normal, b.pull - a.pull);

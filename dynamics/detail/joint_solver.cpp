@@ -171,7 +171,7 @@ void JointSolver::kick(JointIsland& island, const BodyArrays& bodies, double h) 
     for (JointBody& body : island.bodies) {
         body.before_velocity = body.state.velocity;
         body.before_spin = body.state.spin;
-        const dvec3 pull = free_moves(body.mass->locked) * bodies.acceleration(body.slot, step_.gravity);
+        const dvec3 pull = bodies.pull(body.slot, step_.gravity);
         if (bodies.traits.empty()) {
             body.state.velocity += h * pull;
             continue;
@@ -216,7 +216,7 @@ void JointSolver::read_rows(JointIsland& island, const ContactSolver& contacts, 
         body.state.velocity = as_dvec3(row.velocity);
         body.state.spin = as_dvec3(row.spin);
         if (!kicked) continue;
-        const dvec3 pull = free_moves(body.mass->locked) * bodies_->acceleration(body.slot, step_.gravity);
+        const dvec3 pull = bodies_->pull(body.slot, step_.gravity);
         body.before_velocity = body.state.velocity - step_.substep() * pull;
         body.before_spin = body.state.spin;
         // The kick brings the joints' impulses of the substep before along, at lever arms of then.

@@ -16,8 +16,7 @@ constexpr std::uint32_t kLeastOfFace = 3;  // points
 constexpr double kRestingSteps = 4.0;
 
 dvec3 pull_on(const BodyArrays& bodies, std::uint32_t slot, const dvec3& gravity) noexcept {
-    if (bodies.roles[slot] != Role::Dynamic) return dvec3{0.0};
-    return free_moves(bodies.masses[slot].locked) * bodies.acceleration(slot, gravity);
+    return bodies.roles[slot] == Role::Dynamic ? bodies.pull(slot, gravity) : dvec3{0.0};
 }
 
 /// Two bodies and how they move by themselves.
@@ -79,7 +78,7 @@ bool Passing::passes(const ContactPair& pair, const ContactSet& contacts, const 
         may_miss = may_miss || ahead.may_miss;
     }
     if (!may_miss) return false;
-    return !may_touch(first_touch(moving(proxies, pair.proxy_a, two.a, two.pull_a, dt), 0, moving(proxies, pair.proxy_b, two.b, two.pull_b, dt), {}, unused_).status);
+    return !may_touch(first_touch(moving(proxies, pair.proxy_a, two.a, two.pull_a, dt), 0, moving(proxies, pair.proxy_b, two.b, two.pull_b, dt), {}, cores_).status);
 }
 
 void Passing::find(ContactSet& contacts, const ContactChanges* changes, const ProxySet& proxies, const BodyArrays& bodies, const Motion& motion,

@@ -37,14 +37,13 @@ public:
     /// Of the last find(), the pairs that pass.
     [[nodiscard]] std::span<const std::uint32_t> pairs() const noexcept { return found_; }
 
-    void clear() noexcept { found_.clear(); }
     void trim();
 
 private:
     [[nodiscard]] bool passes(const ContactPair& pair, const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies, const Motion& motion);
 
     std::vector<std::uint32_t> found_;  // while they are looked for: all that are apart
-    Cores unused_;                      // what is asked for needs none
+    Cores cores_;                       // of two meshes, which are left out: it stays empty, whoever shares it
 };
 
 }  // namespace carom::dynamics

@@ -65,6 +65,10 @@ struct BodyArrays {
         if (traits.empty()) return gravity;
         return gravity * traits[slot].gravity_scale + traits[slot].force * masses[slot].inverse_mass;
     }
+    /// @return the same along the axes that are not locked.
+    [[nodiscard]] dvec3 pull(std::size_t slot, const dvec3& gravity) const noexcept {
+        return free_moves(masses[slot].locked) * acceleration(slot, gravity);
+    }
 };
 
 /// Whose shape stands at a slot.

@@ -27,10 +27,11 @@ ScratchPool::Block ScratchPool::take(std::size_t size) {
             free(*largest);
             free_.erase(largest);
         }
-        free_.reserve(free_.size() + 1);
+        free_.reserve(blocks_ + 1);  // so that all can be given back
         out.size = with_room(size);
         out.data = static_cast<std::byte*>(::operator new(out.size, std::align_val_t{kAlignment}));
         held_ += out.size;
+        ++blocks_;
     }
     taken_ += out.size;
     most_taken_ = std::max(most_taken_, taken_);
@@ -54,6 +55,7 @@ void ScratchPool::drop() noexcept {
 
 void ScratchPool::free(Block block) noexcept {
     held_ -= block.size;
+    --blocks_;
     ::operator delete(block.data, std::align_val_t{kAlignment});
 }
 

@@ -49,6 +49,7 @@ private:
 
     std::vector<Block> free_;
     std::size_t held_ = 0, taken_ = 0, most_taken_ = 0;  // [bytes]
+    std::size_t blocks_ = 0;                             // there are, free or had
 };
 
 /// What a list takes of a block in which another one follows.

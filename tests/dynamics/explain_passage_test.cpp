@@ -90,7 +90,6 @@ TEST(ExplainPassage, NamesAOneSidedMeshThatIsMetFromBehind) {
     EXPECT_TRUE(Shot(kWatched, {}, sheet(false, true)).fly().passages.empty()) << "the remedy";
 }
 
-// The plane comes over the ball as it turns by 1 rad; a box in its place strikes it.
 // A plane and a box whose face lies in it turn by a radian onto a ball: it is struck, and nothing has passed.
 TEST(ExplainPassage, APlaneThatTurnsIsWatchedAsABoxIs) {
     for (const bool plane : {true, false}) {

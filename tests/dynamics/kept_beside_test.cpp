@@ -97,10 +97,15 @@ TEST(KeptBeside, JointsHoldAsTheyDoWithoutThem) {
     EXPECT_LT(a.last.joints.worst_gap, 1e-9);
     EXPECT_EQ(a.last.joints.in_contact, 2u);
     EXPECT_LT(a.last.max_penetration, 1.5 * b.last.max_penetration);
+    constexpr std::size_t kDoor = 10;  // the first of its joints; ten are of what lies on the ground
     for (std::size_t j = 0; j < kept.world.joints().size(); ++j) {
         const dvec3 one = kept.world.joint_state(kept.world.joints()[j]).force,
                     other = anew.world.joint_state(anew.world.joints()[j]).force;
-        EXPECT_LT(glm::length(one - other), 10.0) << j << ": a thousandth of a box's weight; friction leaves it open";
+        if (j >= kDoor) {
+            EXPECT_EQ(one, other) << j << ": nothing touches the door";
+        } else {
+            EXPECT_LT(glm::length(one - other), 10.0) << j << ": a tenth of what friction holds of a link, so much of which is anybody's";
+        }
     }
 }
 

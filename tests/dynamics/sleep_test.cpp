@@ -49,8 +49,8 @@ TEST(Sleep, IsOffUnlessAskedFor) {
     EXPECT_THROW(table.world.put_to_sleep(table.world.bodies()[1]), MisuseError);
 }
 
-// The oracle is the same world without sleep. Contacts are found anew in both: while somebody sleeps none are kept, which changes where a body that rocks comes to
-// lie by up to a millimetre.
+// The oracle is the same world without sleep. Contacts are found anew in both: where they are kept, all are looked at when somebody falls asleep, which changes where a
+// body that rocks comes to lie by up to a millimetre.
 TEST(Sleep, PilesStayWhereTheyWouldBeWithout) {
     Table sleeps({.contact_reuse = 0.0, .sleep = {.enabled = true}}), wakes({.contact_reuse = 0.0});
     fill(sleeps), fill(wakes);
