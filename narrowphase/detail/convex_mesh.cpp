@@ -37,8 +37,7 @@ struct PolytopeProbe {
                glm::any(glm::lessThan(t.upper, box.lower - dvec3{margin}));
     }
     bool axis(Polytope& triangle, double margin, Workspace&, ContactAxis& axis) const {
-        const Corners corners{triangle.vertex(0), triangle.vertex(1), triangle.vertex(2)};
-        return find_axis(polytope, triangle, centre, closest_on_triangle(corners, centre).point, margin, axis);
+        return find_axis(polytope, triangle, centre, triangle.centre, margin, axis);
     }
     void patch(const Polytope& triangle, const ContactAxis& axis, double margin, AxisPoint point, Workspace& workspace,
                Patch& patch) const {
@@ -121,7 +120,6 @@ bool touch_triangle(const Probe& probe, MeshSurface& surface, double margin, Wor
     Polytope& triangle = workspace.second;
     const bool above = glm::dot(triangle.normal(0), probe.centre) >= triangle.offset(0);
     const dvec3 outward = triangle.normal(above ? 0 : 1);
-    const double height = -probe.reach(-outward) - triangle.offset(above ? 0 : 1);  // of the shape over the face; negative below it
     ContactAxis axis;
     if (!probe.axis(triangle, margin, workspace, axis)) return false;
 
@@ -132,6 +130,7 @@ bool touch_triangle(const Probe& probe, MeshSurface& surface, double margin, Wor
     if (is_other_face || (!is_face && !surface.allows(point_on_triangle(triangle, axis), -axis.normal, kPointTolerance * probe.size()))) {
         // The far side of a ridge that the shape reaches across would push it through the surface: the near side speaks for both.
         const bool facing = above == surface.is_in_front(probe.centre);
+        const double height = -probe.reach(-outward) - triangle.offset(above ? 0 : 1);  // of the shape over the face; negative below it
         if (axis.separation <= probe.radius() + kTouching * probe.size()) way_out.offer({true, facing, height, outward, contact.triangle});
         if (!facing) return false;
         const ContactAxis rejected = axis;

@@ -19,10 +19,16 @@ struct EdgeBundle {
     PointBundle from, direction, left, right;
 };
 
+// Of a triangle's corners over eight planes.
+struct CornerHeights {
+    DoubleBundle of[3];
+};
+
 // Buffers of a thread, which grow once.
 struct SearchScratch {
-    std::vector<DoubleBundle> promises;        // by face: how high it can be at most
-    std::vector<dvec3> met_of_a, met_of_b;     // points that bound the faces of the other
+    std::vector<CornerHeights> heights;     // over the faces of a
+    std::vector<DoubleBundle> promises;     // by face: how high it can be at most
+    std::vector<dvec3> met_of_a, met_of_b;  // points that bound the faces of the other
     std::vector<DoubleBundle> words;
     std::vector<std::uint32_t> numbers_of_a, numbers_of_b;
     std::vector<EdgeBundle> edges_of_b;
@@ -124,7 +130,32 @@ void fill_edges(const Polytope& p, std::span<const std::uint32_t> numbers, std::
 void list_edges_above(const Polytope& p, std::span<const dvec3> points, double floor, std::vector<std::uint32_t>& out) {
     std::vector<DoubleBundle>& words = search_scratch().words;
     const std::uint64_t all = mark_above(p, points, floor, words);
-    list_edges(p, words, [all](std::uint64_t either) { return either == all; }, out);
+    list_edges(
+        p, words, [all](std::uint64_t either) { return either == all; }, out);
+}
+
+// @param arcs  the edges `of_b`, eight by eight.
+EdgePair best_of_listed(const Polytope& a, const Polytope& b, std::span<const std::uint32_t> of_a, std::span<const std::uint32_t> of_b,
+                        std::span<const EdgeBundle> arcs) {
+    EdgePair best;
+    for (const std::uint32_t number : of_a) {
+        const Polytope::Edge e = a.edge(number);
+        Greatest of_e;
+        Doubles places = double_lane_numbers();
+        for (const EdgeBundle& f : arcs) {
+            for (int lane = 0; lane < kWidth; lane += kLaneStep) {
+                of_e.offer(separations(e, f, lane), places);
+                places = places + Doubles(kLaneStep);
+            }
+        }
+        const Extreme found = of_e.take();
+        if (found.value > best.separation) best = {found.value, dvec3{0.0}, number, of_b[found.number]};
+    }
+    if (best.separation == -kInfinity) return best;
+    const Polytope::Edge e = a.edge(best.a);
+    const dvec3 normal = glm::cross(e.direction, b.edge(best.b).direction);
+    best.normal = normal * ((glm::dot(normal, e.left + e.right) < 0.0 ? -1.0 : 1.0) / std::sqrt(glm::dot(normal, normal)));
+    return best;
 }
 
 EdgePair best_edges(const Polytope& a, const Polytope& b, double floor) {
@@ -134,28 +165,109 @@ EdgePair best_edges(const Polytope& a, const Polytope& b, double floor) {
     list_edges_above(b, scratch.met_of_a, floor, scratch.numbers_of_b);
     if (scratch.numbers_of_b.empty()) return {};
     fill_edges(b, scratch.numbers_of_b, scratch.edges_of_b);
-    EdgePair best;
-    for (const std::uint32_t number : scratch.numbers_of_a) {
-        const Polytope::Edge e = a.edge(number);
-        Greatest of_e;
-        Doubles places = double_lane_numbers();
-        for (const EdgeBundle& f : scratch.edges_of_b) {
-            for (int lane = 0; lane < kWidth; lane += kLaneStep) {
-                of_e.offer(separations(e, f, lane), places);
-                places = places + Doubles(kLaneStep);
+    return best_of_listed(a, b, scratch.numbers_of_a, scratch.numbers_of_b, scratch.edges_of_b);
+}
+
+// A triangle has three corners and two faces: they are all looked at, and at once.
+
+HWY_INLINE FaceSeparation best_over_corners(std::span<const PlaneBundle> planes, const Polytope& triangle,
+                                            std::vector<CornerHeights>& all) {
+    const Doubles3 corners[3] = {everywhere(triangle.vertex(0)), everywhere(triangle.vertex(1)), everywhere(triangle.vertex(2))};
+    all.resize(planes.size());
+    Greatest best;
+    Doubles numbers = double_lane_numbers();
+    for (std::size_t k = 0; k < planes.size(); ++k) {
+        for (int lane = 0; lane < kWidth; lane += kLaneStep) {
+            Doubles height[3];
+            for (std::size_t i = 0; i < 3; ++i) {
+                height[i] = heights(planes[k], lane, corners[i]);
+                store(height[i], all[k].of[i].lane + lane);
             }
+            best.offer(min(min(height[0], height[1]), height[2]), numbers);
+            numbers = numbers + Doubles(kLaneStep);
         }
-        const Extreme found = of_e.take();
-        if (found.value > best.separation) best = {found.value, dvec3{0.0}, number, scratch.numbers_of_b[found.number]};
     }
-    if (best.separation == -kInfinity) return best;
-    const Polytope::Edge e = a.edge(best.a);
-    const dvec3 normal = glm::cross(e.direction, b.edge(best.b).direction);
-    best.normal = normal * ((glm::dot(normal, e.left + e.right) < 0.0 ? -1.0 : 1.0) / std::sqrt(glm::dot(normal, normal)));
+    const Extreme found = best.take();
+    const CornerHeights& over = all[found.number / kWidth];
+    std::uint32_t deepest = 0;
+    while (deepest < 2 && over.of[deepest].lane[found.number % kWidth] != found.value) ++deepest;
+    return {found.value, found.number, deepest};
+}
+
+// @param met  gets the vertices farthest below either face.
+HWY_INLINE FaceSeparation better_side_of(const Polytope& triangle, std::span<const PointBundle> points, double floor, dvec3 (&met)[3]) {
+    FaceSeparation best;
+    best.separation = floor;
+    for (std::uint32_t face = 0; face < 2; ++face) {
+        const Extreme low = lowest_of(points, normal_of(triangle.planes, face));
+        met[face] = point_of(points, low.number);
+        const double separation = low.value - offset_of(triangle.planes, face);
+        if (separation > best.separation) best = {separation, face, low.number};
+    }
+    return best;
+}
+
+// The edges of which each corner lies higher than `floor` over a face beside them.
+HWY_INLINE void list_edges_below(const Polytope& p, std::span<const CornerHeights> over, double floor, std::vector<std::uint32_t>& out) {
+    std::vector<DoubleBundle>& words = search_scratch().words;
+    const hn::Repartition<std::uint64_t, DoubleTag> word_tag;
+    words.resize(over.size());
+    for (std::size_t k = 0; k < over.size(); ++k) {
+        for (int lane = 0; lane < kWidth; lane += kLaneStep) {
+            auto marks = hn::Zero(word_tag);
+            for (std::size_t i = 0; i < 3; ++i) {
+                const DoubleMask is_above = load(over[k].of[i].lane + lane) > Doubles(floor);
+                marks = hn::Or(marks, hn::IfThenElseZero(hn::RebindMask(word_tag, is_above.raw), hn::Set(word_tag, std::uint64_t{1} << i)));
+            }
+            store(Doubles(hn::BitCast(DoubleTag(), marks)), words[k].lane + lane);
+        }
+    }
+    list_edges(
+        p, words, [](std::uint64_t either) { return either == 7; }, out);
+}
+
+// The edges of a triangle in the order of load_triangle(), each towards either face, that some point bounds no lower than `floor`.
+// @return whether there is any; the others are left without length, and cross nothing.
+HWY_INLINE bool fill_arcs(const Polytope& triangle, std::span<const dvec3> met, double floor, EdgeBundle& arcs) {
+    std::vector<DoubleBundle>& words = search_scratch().words;
+    const std::uint64_t all = mark_above(triangle, met, floor, words);
+    const auto word = [&](std::size_t bundle, std::size_t plane) { return std::bit_cast<std::uint64_t>(words[bundle].lane[plane]); };
+    bool any = false;
+    const auto put = [&](std::size_t arc, std::uint32_t from, const dvec3& left, const dvec3& right) {
+        const dvec3 corner = triangle.vertex(from);
+        set_point(arcs.from, arc, corner);
+        set_point(arcs.direction, arc, triangle.vertex((from + 1) % 3) - corner);
+        set_point(arcs.left, arc, left);
+        set_point(arcs.right, arc, right);
+        any = true;
+    };
+    for (std::uint32_t k = 0; k < 3; ++k) {
+        const dvec3 side = normal_of({&triangle.sides, 1}, k);
+        if ((word(0, 0) | word(1, k)) == all) put(k, k, triangle.normal(0), side);
+        if ((word(1, k) | word(0, 1)) == all) put(k + 3, k, side, triangle.normal(1));
+    }
+    return any;
+}
+
+Separations find_separations_of_triangle(const Polytope& a, const Polytope& triangle, double enough) {
+    constexpr std::uint32_t kArcs[] = {0, 1, 2, 3, 4, 5};
+    SearchScratch& scratch = search_scratch();
+    Separations best;
+    best.of_a = best_over_corners(a.planes, triangle, scratch.heights);
+    if (best.of_a.separation > enough) return best;
+    dvec3 met[3] = {a.centre, a.centre, a.centre};
+    best.of_b = better_side_of(triangle, a.points, best.of_a.separation, met);
+    if (best.of_b.separation > enough) return best;
+    const double floor = std::min(0.0, best.of_b.separation);
+    EdgeBundle arcs{};
+    if (!fill_arcs(triangle, met, floor, arcs)) return best;
+    list_edges_below(a, scratch.heights, floor, scratch.numbers_of_a);
+    best.edges = best_of_listed(a, triangle, scratch.numbers_of_a, kArcs, {&arcs, 1});
     return best;
 }
 
 Separations FindSeparations(const Polytope& a, const Polytope& b, const dvec3& point_of_a, const dvec3& point_of_b, double enough) {
+    if (b.side_count > 0 && a.side_count == 0) return find_separations_of_triangle(a, b, enough);
     SearchScratch& scratch = search_scratch();
     scratch.met_of_a.assign(1, point_of_a);
     scratch.met_of_b.assign(1, point_of_b);

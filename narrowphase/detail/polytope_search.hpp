@@ -43,6 +43,7 @@ struct Separations {
 /// that was met, so few arcs are left.
 /// @param point_of_a, point_of_b  any points of the two; the nearer to the contact, the fewer faces are tried.
 /// @param enough  where a face separates by more, nothing more is looked for.
+/// Against a triangle as `b` all faces meet its three corners at once, and the points are not needed.
 /// Cost: of two hulls of 32 vertices some seven faces are tried and five edges left.
 [[nodiscard]] Separations find_separations(const Polytope& a, const Polytope& b, const dvec3& point_of_a, const dvec3& point_of_b,
                                            double enough);

@@ -79,6 +79,41 @@ TEST(PolytopeSearch, FindsTheBestOfAllFacesAndEdges) {
     EXPECT_GT(deep, 100);
 }
 
+TEST(PolytopeSearch, FindsTheBestAgainstATriangle) {
+    Random r(22);
+    int by_edges = 0, by_triangle = 0, without_arcs = 0;
+    for (int i = 0; i < 1000; ++i) {
+        Polytope a, b;
+        const ConvexHullPtr hull = random_hull(r, 6 + i % 40, 0.3, 1.0);
+        load_any(r, a, dvec3{0.0}, *hull);
+        const double extent = std::pow(10.0, r.range(-1.0, 1.0));
+        const dvec3 middle = random_direction(r) * r.range(0.0, 1.2);
+        const auto corner = [&] { return middle + extent * random_direction(r); };
+        ASSERT_TRUE(detail::load_triangle(b, {corner(), corner(), corner()}));
+        const double of_a = best_face(a, b), face = std::max(of_a, best_face(b, a)), edges = best_edges(a, b);
+        for (const int width : available_simd_widths()) {
+            set_simd_width(width);
+            const detail::Separations found = detail::find_separations(a, b, a.centre, b.centre, -kNone);
+            ASSERT_NEAR(found.of_a.separation, of_a, 1e-14) << i;
+            ASSERT_EQ(glm::dot(a.normal(found.of_a.plane), b.vertex(found.of_a.deepest)), least_along(b, a.normal(found.of_a.plane)));
+            ASSERT_NEAR(found.of_b.separation, face, 1e-14) << i;
+            ASSERT_LE(found.edges.separation, std::max(edges, face) + 1e-12) << i;
+            if (edges < 0.0 && edges > face + 1e-12) {
+                ASSERT_NEAR(found.edges.separation, edges, 1e-12) << i << ", width " << width;
+                ASSERT_NEAR(least_along(b, found.edges.normal) + least_along(a, -found.edges.normal), edges, 1e-12) << i;
+                ++by_edges;
+            }
+            by_triangle += face > of_a ? 1 : 0;
+            without_arcs += found.edges.separation == kNone ? 1 : 0;
+            EXPECT_EQ(detail::find_separations(a, b, a.centre, b.centre, face - 0.1).edges.separation, kNone);  // a face was enough
+        }
+    }
+    set_simd_width(0);
+    EXPECT_GT(by_edges, 100);
+    EXPECT_GT(by_triangle, 100);
+    EXPECT_GT(without_arcs, 100);
+}
+
 TEST(PolytopeSearch, AFaceThatSeparatesByMoreEndsIt) {
     Polytope a, b;
     detail::load_box(a, dvec3{0.5});
