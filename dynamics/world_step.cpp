@@ -222,14 +222,17 @@ void World::Impl::solve_contacts(dynamics::Step& step, double dt) {
         step.run(Stage::Joints, work);
     };
     const int relaxations = def.relax ? solver.relaxations() : 0;
+    // In one order a Gauss-Seidel pass errs to one side, so half of the substeps go backward; of an odd number one more or less by turns.
+    const bool in_turns = def.substeps % 2 == 1 && steps % 2 == 1;
     for (int k = 0; k < def.substeps; ++k) {
+        const bool backward = (2 * k >= def.substeps) != in_turns;
         solver.list_velocities(k == 0 ? dynamics::WarmStart::First : dynamics::WarmStart::Again);
         if (k == 0) solver.list_warm_start();
         if (k == 0 && joined) joints_do([&] { joint_solver.warm_start(solver, threads()); });
-        solver.list_pass(true);
+        solver.list_pass(true, backward);
         if (joined) joints_do([&] { joint_solver.solve(solver, k, threads()); });
         solver.list_positions();
-        for (int pass = 0; pass < relaxations; ++pass) solver.list_pass(false);
+        for (int pass = 0; pass < relaxations; ++pass) solver.list_pass(false, backward);
         if (joined && def.relax) joints_do([&] { joint_solver.relax(solver, k, threads()); });
     }
     run();

@@ -3,6 +3,9 @@
 #include <carom/dynamics/detail/contact_kernels.hpp>
 #include <carom/dynamics/detail/contact_solver.hpp>
 
+#include <algorithm>
+#include <tuple>
+
 namespace carom::dynamics {
 
 void ContactSolver::list(std::size_t count, Stage stage, const Task& task, const std::uint32_t* starts) {
@@ -17,30 +20,40 @@ void ContactSolver::list_velocities(WarmStart warm_start) {
 }
 
 void ContactSolver::list_contacts(Stage stage, const Task& task) {
-    const std::uint32_t* starts = color_parts_.data();
-    for (std::uint32_t c = 0; c < colors_.size(); ++c, starts += part_count_ + 1) {
+    const auto count = static_cast<std::uint32_t>(colors_.size());
+    const auto color_at = [&](std::uint32_t k) { return task.backward ? count - 1 - k : k; };
+    const auto list_overflow = [&] {
+        Task overflow = task;
+        overflow.work = task.work == Work::WarmStart ? Work::WarmStartOverflow : Work::SolveOverflow;
+        if (first_overflow_bundle_ < bundles_.size()) list(1, stage, overflow);
+    };
+    if (task.backward) list_overflow();
+    for (std::uint32_t k = 0; k < count;) {
+        std::uint32_t end = k;
+        while (end < count && colors_[color_at(end)].count == 1) ++end;
         Task some = task;
-        some.first_color = some.end_color = c;
-        while (some.end_color < colors_.size() && colors_[some.end_color].count == 1) ++some.end_color;
-        if (some.end_color > c) {  // there is nothing to share
+        if (end > k) {  // there is nothing to share
+            std::tie(some.first_color, some.end_color) = std::minmax(color_at(k), color_at(end - 1));
+            ++some.end_color;
             list(1, stage, some);
-            starts += (some.end_color - 1 - c) * (part_count_ + 1);
-            c = some.end_color - 1;
+            k = end;
             continue;
         }
-        some.first_bundle = colors_[c].first;
-        list(colors_[c].count, stage, some, starts);
+        some.first_color = some.end_color = color_at(k++);
+        some.first_bundle = colors_[some.first_color].first;
+        list(colors_[some.first_color].count, stage, some, color_parts_.data() + some.first_color * (part_count_ + 1));
     }
-    Task rest = task;
-    rest.work = task.work == Work::WarmStart ? Work::WarmStartRest : Work::SolveRest;
-    if (first_overflow_bundle_ < bundles_.size() || !rolling_.is_empty() || rules_.lock_any()) list(1, stage, rest);
+    if (!task.backward) list_overflow();
+    Task rows = task;
+    rows.work = task.work == Work::WarmStart ? Work::WarmStartRows : Work::SolveRows;
+    if (!rolling_.is_empty() || rules_.lock_any()) list(1, stage, rows);
 }
 
 void ContactSolver::list_warm_start() { list_contacts(Stage::WarmStart, {.work = Work::WarmStart}); }
 
-void ContactSolver::list_pass(bool bias) {
+void ContactSolver::list_pass(bool bias, bool backward) {
     const SolveSettings settings{.inverse_h = static_cast<float>(1.0 / settings_.substep()), .bias = bias, .gaps_known = gaps_known_};
-    list_contacts(bias ? Stage::Solve : Stage::Relax, {.work = Work::Solve, .settings = settings, .substep = moves_listed_});
+    list_contacts(bias ? Stage::Solve : Stage::Relax, {.work = Work::Solve, .settings = settings, .substep = moves_listed_, .backward = backward});
     gaps_known_ = true;
 }
 
@@ -74,7 +87,10 @@ void ContactSolver::run_task(const Task& task, std::size_t begin, std::size_t en
     const std::span<ContactBundle> overflow = all.subspan(first_overflow_bundle_);  // these may share bodies
     const auto for_some = [&](const auto& work) {
         if (task.first_color == task.end_color) return work(all.subspan(task.first_bundle + begin, end - begin));
-        for (std::uint32_t c = task.first_color; c < task.end_color; ++c) work(all.subspan(colors_[c].first, colors_[c].count));
+        for (std::uint32_t k = task.first_color; k < task.end_color; ++k) {
+            const Color& color = colors_[task.backward ? task.first_color + task.end_color - 1 - k : k];
+            work(all.subspan(color.first, color.count));
+        }
     };
     switch (task.work) {
         case Work::Kick:
@@ -98,13 +114,17 @@ void ContactSolver::run_task(const Task& task, std::size_t begin, std::size_t en
         case Work::Solve:
             for_some([&](std::span<ContactBundle> some) { solve(some, task); });
             break;
-        case Work::WarmStartRest:
+        case Work::WarmStartOverflow:
             for (std::size_t i = 0; i < overflow.size(); ++i) dynamics::warm_start(overflow.subspan(i, 1), rows_);
+            break;
+        case Work::SolveOverflow:
+            for (std::size_t i = 0; i < overflow.size(); ++i) solve(overflow.subspan(task.backward ? overflow.size() - 1 - i : i, 1), task);
+            break;
+        case Work::WarmStartRows:
             rolling_.warm_start(rows_);
             rules_.lock(rows_);
             break;
-        case Work::SolveRest:
-            for (std::size_t i = 0; i < overflow.size(); ++i) solve(overflow.subspan(i, 1), task);
+        case Work::SolveRows:
             if (renews(task)) rolling_.renew(rows_, turning_.renewed());
             rolling_.solve(rows_, bundles_);
             rules_.lock(rows_);

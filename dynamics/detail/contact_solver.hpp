@@ -72,7 +72,8 @@ public:
     void list_velocities(WarmStart warm_start);
     /// Of the first substep.
     void list_warm_start();
-    void list_pass(bool bias);
+    /// @param backward  from the last colour to the first.
+    void list_pass(bool bias, bool backward);
     void list_positions();
     /// @param milliseconds  by Stage; what each takes is added.
     void run_listed(Executor& executor, std::span<double> milliseconds);
@@ -162,7 +163,7 @@ private:
     [[nodiscard]] ManifoldRow unused_row() const noexcept;
     /// Calls `work` for all bundles, some at a time, from several threads.
     void for_bundles(Executor& executor, FunctionRef<void(std::span<ContactBundle> some)> work);
-    enum class Work : unsigned char { Kick, Damp, Precess, Show, WarmStart, WarmStartRest, Solve, SolveRest, Advance, Swing, Hide };
+    enum class Work : unsigned char { Kick, Damp, Precess, Show, WarmStart, WarmStartOverflow, WarmStartRows, Solve, SolveOverflow, SolveRows, Advance, Swing, Hide };
     struct Task {
         Work work = Work::Kick;
         WarmStart warm_start = WarmStart::First;
@@ -170,9 +171,10 @@ private:
         std::uint32_t first_color = 0, end_color = 0;  ///< where these differ, colours of few bundles, one after the other
         SolveSettings settings{};
         int substep = 0;  ///< how often bodies have moved, this task included
+        bool backward = false;
     };
     void list(std::size_t count, Stage stage, const Task& task, const std::uint32_t* starts = nullptr);
-    /// The colours one after the other, then what has to be alone.
+    /// The colours one after the other and the bundles that have to be alone, or these first and all from the back; then what is no contact.
     void list_contacts(Stage stage, const Task& task);
     [[nodiscard]] bool renews(const Task& task) const noexcept;
     void solve(std::span<ContactBundle> some, const Task& task);
