@@ -37,23 +37,25 @@ SweepPart sweep_core(const SweepPath& path, const TriangleCore& t) noexcept {
     const double c = glm::dot(ab, ab), a = glm::dot(bc, bc), b = glm::dot(ca, ca);
     const bool at_a = a >= b && a >= c, at_b = !at_a && b >= c;
     const dvec3 &corner = at_a ? t.a : at_b ? t.b : t.c, &u = at_a ? ab : at_b ? bc : ca, &back = at_a ? ca : at_b ? ab : bc;
+    const SweepFace face(path, corner, u, -back);
     SweepPath rim = path;
-    rim.radius += rim_growth(path, u, -back);
-    SweepPart first = sweep_face(path, corner, u, -back, FaceKind::Triangle);
-    first = earlier(first, sweep_segment(rim, t.a, ab));
-    first = earlier(first, sweep_segment(rim, t.b, bc));
-    return earlier(first, sweep_segment(rim, t.c, ca));
+    rim.radius += face.rim_growth();
+    SweepPart first = sweep_face(path, face, FaceKind::Triangle);
+    first = earlier(first, sweep_segment(rim, t.a, ab, first.t));
+    first = earlier(first, sweep_segment(rim, t.b, bc, first.t));
+    return earlier(first, sweep_segment(rim, t.c, ca, first.t));
 }
 
 /// The parallelogram that the edge q, q + u of B makes with the axis of A, and its rim.
 SweepPart sweep_edges(const SweepPath& path, const dvec3& axis, const dvec3& q, const dvec3& u) noexcept {
+    const SweepFace face(path, q, u, -axis);
     SweepPath rim = path;
-    rim.radius += rim_growth(path, u, axis);
-    SweepPart first = sweep_face(path, q, u, -axis, FaceKind::Parallelogram);
-    first = earlier(first, sweep_segment(rim, q, u));
-    first = earlier(first, sweep_segment(rim, q - axis, u));
-    first = earlier(first, sweep_segment(rim, q, -axis));
-    return earlier(first, sweep_segment(rim, q + u, -axis));
+    rim.radius += face.rim_growth();
+    SweepPart first = sweep_face(path, face, FaceKind::Parallelogram);
+    first = earlier(first, sweep_segment(rim, q, u, first.t));
+    first = earlier(first, sweep_segment(rim, q - axis, u, first.t));
+    first = earlier(first, sweep_segment(rim, q, -axis, first.t));
+    return earlier(first, sweep_segment(rim, q + u, -axis, first.t));
 }
 
 BoxCore moved(const BoxCore& b, const dvec3& by) noexcept { return {b.lower + by, b.upper + by}; }
@@ -259,7 +261,7 @@ BasicImpact<T> sweep(const Aabb<T>& a, const Vec3<T>& motion, const Aabb<T>& b) 
     return rounded<T>(box_sweep(frame, core, Aabb<double>{dvec3(a.lower), dvec3(a.upper)}, widened(b)));
 }
 
-#define CAROM_SWEEPS(A, B)                                                                        \
+#define CAROM_SWEEPS(A, B)                                                                            \
     template BasicImpact<float> sweep(const A<float>&, const Vec3<float>&, const B<float>&) noexcept; \
     template BasicImpact<double> sweep(const A<double>&, const Vec3<double>&, const B<double>&) noexcept;
 CAROM_SWEEPS(Sphere, Sphere)

@@ -51,16 +51,17 @@ SweepPart contact(double t, const dvec3& gap, const SweepPath& path, const dvec3
 
 }  // namespace
 
-SweepPart sweep_point(const SweepPath& path, const dvec3& q) noexcept {
+SweepPart sweep_point(const SweepPath& path, const dvec3& q, double first) noexcept {
     const Within w = within(q, path.motion, path.radius);
     if (!(w.from <= 1.0 && w.to >= 0.0)) return {};
     const double t = std::max(w.from * kRounded, 0.0);
+    if (!(t < first)) return {};
     return contact(t, q - t * path.motion, path, path.motion);
 }
 
-SweepPart sweep_segment(const SweepPath& path, const dvec3& q, const dvec3& u) noexcept {
+SweepPart sweep_segment(const SweepPath& path, const dvec3& q, const dvec3& u, double first) noexcept {
     const double uu = glm::dot(u, u);
-    if (!(uu > kShortSegment * kShortSegment)) return sweep_point(path, q);
+    if (!(uu > kShortSegment * kShortSegment)) return sweep_point(path, q, first);
     // Round the axis: the components across it, turned by a right angle.
     const double length = std::sqrt(uu);
     const dvec3 along = u / length;
@@ -68,38 +69,39 @@ SweepPart sweep_segment(const SweepPath& path, const dvec3& q, const dvec3& u) n
     if (!(w.from <= 1.0 && w.to >= 0.0)) return {};
     const double t = std::max(w.from * kRounded, 0.0);
     const double s = glm::dot(t * path.motion - q, along);
-    if (s >= 0.0 && s <= length) return contact(t, q + s * along - t * path.motion, path, path.motion);
+    if (s >= 0.0 && s <= length) return t < first ? contact(t, q + s * along - t * path.motion, path, path.motion) : SweepPart{};
     // Grown, so that what enters the round past an end and sinks on its way in does not slip between the two by rounding.
     SweepPath ends = path;
     ends.radius += kGrowth * path.size;
-    return earlier(sweep_point(ends, q), sweep_point(ends, q + u));
+    const SweepPart near = sweep_point(ends, q, first);
+    return earlier(near, sweep_point(ends, q + u, std::min(near.t, first)));
 }
 
-bool is_needle(const SweepPath& path, const dvec3& u, const dvec3& v) noexcept {
-    const double twice = glm::length(glm::cross(u, v)), a = glm::length(u), b = glm::length(v);
-    if (std::max(a, b) < kShortFace) return true;
-    return !(kGrowth * path.size * (a * b) * std::max(a, b) < twice * twice);
+SweepFace::SweepFace(const SweepPath& path, const dvec3& corner, const dvec3& side_u, const dvec3& side_v) noexcept
+    : q(corner),
+      u(side_u),
+      v(side_v),
+      area(glm::cross(u, v)),
+      length_u(glm::length(u)),
+      length_v(glm::length(v)),
+      twice(glm::length(area)) {
+    const double product = length_u * length_v, longest = std::max(length_u, length_v);
+    needle = longest < kShortFace || !(kGrowth * path.size * product * longest < twice * twice);
+    slack = needle ? 0.0 : kGrowth * (product / twice) * path.size;
 }
 
-double face_slack(const SweepPath& path, const dvec3& u, const dvec3& v) noexcept {
-    return kGrowth * (glm::length(u) * glm::length(v) / glm::length(glm::cross(u, v))) * path.size;
+double SweepFace::rim_growth() const noexcept {
+    if (!needle) return 2.0 * slack;
+    const double longest = std::max(length_u, length_v), rounding = kGrowth * std::min(length_u, length_v);
+    return longest > 0.0 ? twice / longest + rounding : 0.0;
 }
 
-double rim_growth(const SweepPath& path, const dvec3& u, const dvec3& v) noexcept {
-    if (!is_needle(path, u, v)) return 2.0 * face_slack(path, u, v);
-    const double longest = std::max(glm::length(u), glm::length(v));
-    const double rounding = kGrowth * std::min(glm::length(u), glm::length(v));
-    return longest > 0.0 ? glm::length(glm::cross(u, v)) / longest + rounding : 0.0;
-}
-
-SweepPart sweep_face(const SweepPath& path, const dvec3& q, const dvec3& u, const dvec3& v, FaceKind kind) noexcept {
-    const dvec3 area = glm::cross(u, v);
-    const double twice = glm::length(area);
-    if (is_needle(path, u, v)) return {};
+SweepPart sweep_face(const SweepPath& path, const SweepFace& face, FaceKind kind) noexcept {
+    if (face.needle) return {};
     // Half of it, which is enough: what enters beside the face below this height, and what rounding adds, the rim is to hold.
-    const double slack = face_slack(path, u, v), radius = path.radius + 0.5 * slack;
-    dvec3 n = area / twice;
-    double height = -glm::dot(n, q);  // of the moving point over the face
+    const double radius = path.radius + 0.5 * face.slack;
+    dvec3 n = face.area / face.twice;
+    double height = -glm::dot(n, face.q);  // of the moving point over the face
     if (height < 0.0) n = -n, height = -height;
     const double fall = -glm::dot(n, path.motion);
     double t = 0.0;
@@ -108,9 +110,10 @@ SweepPart sweep_face(const SweepPath& path, const dvec3& q, const dvec3& u, cons
         t = (height - radius) / fall * kRounded;
         if (!(t <= 1.0)) return {};
     }
-    const dvec3 p = t * path.motion - q;
-    const double r = glm::dot(glm::cross(p, v), area), s = glm::dot(glm::cross(u, p), area);
-    const double whole = twice * twice, rim_r = slack * twice * glm::length(v), rim_s = slack * twice * glm::length(u);
+    const dvec3 p = t * path.motion - face.q;
+    const double r = glm::dot(glm::cross(p, face.v), face.area), s = glm::dot(glm::cross(face.u, p), face.area);
+    const double whole = face.twice * face.twice, margin = face.slack * face.twice;
+    const double rim_r = margin * face.length_v, rim_s = margin * face.length_u;
     const bool inside = r >= -rim_r && s >= -rim_s &&
                         (kind == FaceKind::Triangle ? r + s <= whole + rim_r + rim_s : r <= whole + rim_r && s <= whole + rim_s);
     return inside ? SweepPart{t, -n} : SweepPart{};

@@ -40,18 +40,26 @@ struct SweepPart {
 
 enum class FaceKind : unsigned char { Triangle, Parallelogram };
 
-[[nodiscard]] SweepPart sweep_point(const SweepPath& path, const dvec3& q) noexcept;
+/// @param first  what is met then or later need not be told, and is nothing.
+[[nodiscard]] SweepPart sweep_point(const SweepPath& path, const dvec3& q, double first = kNoContact) noexcept;
 /// q + s u, 0 <= s <= 1; u may be zero.
-[[nodiscard]] SweepPart sweep_segment(const SweepPath& path, const dvec3& q, const dvec3& u) noexcept;
-/// A face at whose corner between u and v the angle is so small that its normal is uncertain by more than its width: its rim, grown by
-/// rim_growth(), holds all of it.
-[[nodiscard]] bool is_needle(const SweepPath& path, const dvec3& u, const dvec3& v) noexcept;
-/// By how much a face that is no needle may be off along its normal, which is uncertain by eps over the sine of the angle.
-[[nodiscard]] double face_slack(const SweepPath& path, const dvec3& u, const dvec3& v) noexcept;
-/// By how much the segments about a face are to be grown, so that no path enters the grown face from beside without meeting them.
-[[nodiscard]] double rim_growth(const SweepPath& path, const dvec3& u, const dvec3& v) noexcept;
-/// The inside of the face at the corner q with the sides u and v, without its rim. Nothing where it is a needle.
-[[nodiscard]] SweepPart sweep_face(const SweepPath& path, const dvec3& q, const dvec3& u, const dvec3& v, FaceKind kind) noexcept;
+[[nodiscard]] SweepPart sweep_segment(const SweepPath& path, const dvec3& q, const dvec3& u, double first = kNoContact) noexcept;
+/// The face at the corner q with the sides u and v, of which only the inside is met here, and what rounding makes of its plane.
+struct SweepFace {
+    dvec3 q{0.0}, u{0.0}, v{0.0};
+    dvec3 area{0.0};                                     ///< u x v
+    double length_u = 0.0, length_v = 0.0, twice = 0.0;  ///< of u, v and the area
+    /// The angle at q is so small that the normal is uncertain by more than the width: the rim, grown by rim_growth(), holds all of it.
+    bool needle = false;
+    double slack =
+        0.0;  ///< by how much a face that is no needle may be off along its normal, which is uncertain by eps over the angle's sine
+
+    SweepFace(const SweepPath& path, const dvec3& corner, const dvec3& side_u, const dvec3& side_v) noexcept;
+    /// By how much the segments about the face are to be grown, so that no path enters the grown face from beside without meeting them.
+    [[nodiscard]] double rim_growth() const noexcept;
+};
+/// Nothing where it is a needle.
+[[nodiscard]] SweepPart sweep_face(const SweepPath& path, const SweepFace& face, FaceKind kind) noexcept;
 /// A solid box along the axes, rim and all.
 [[nodiscard]] SweepPart sweep_box(const SweepPath& path, const dvec3& lower, const dvec3& upper) noexcept;
 
