@@ -1,6 +1,5 @@
 #include <carom/narrowphase/sweep.hpp>
 
-#include <carom/collision/closest_points.hpp>
 #include <carom/collision/overlap_tests.hpp>
 #include <carom/narrowphase/detail/sweep_frame.hpp>
 
@@ -110,8 +109,7 @@ template <class B>
 Impact capsule_impact(const SweepPart& part, const SweepFrame& frame, const dvec3& axis, const B& b) noexcept {
     Impact impact = impact_of(part, frame);
     if (impact.status != ImpactStatus::Touching) return impact;
-    const dvec3 at = frame.from + impact.t * frame.motion;
-    impact.point = closest_points(Segment<double>{at, at + axis}, b).on_b;
+    impact.point = nearest_under(frame.from + impact.t * frame.motion, axis, b);
     return impact;
 }
 

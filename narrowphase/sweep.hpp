@@ -116,13 +116,16 @@ struct MeshImpact : Impact {
 [[nodiscard]] MeshImpact sweep(const Sphere<double>& a, const Vec3<double>& motion, const TriangleMesh& b);
 [[nodiscard]] MeshImpact sweep(const Capsule<double>& a, const Vec3<double>& motion, const TriangleMesh& b);
 
-/// The batches of spheres against what kernels take several of at once; sweep() below calls it, and says what the spans are.
-template <class T, class B>
-void sweep_spheres(std::span<const Sphere<T>> a, std::span<const Vec3<T>> motions, std::span<const B> b, std::span<BasicImpact<T>> out);
-/// What sweep_spheres() takes.
-template <class B, class T>
-inline constexpr bool kSweptInLanes = std::is_same_v<B, Plane<T>> || std::is_same_v<B, Sphere<T>> || std::is_same_v<B, Capsule<T>> ||
-                                      std::is_same_v<B, Aabb<T>> || std::is_same_v<B, Obb<T>> || std::is_same_v<B, Triangle<T>>;
+/// The batches that kernels take several of at once; sweep() below calls it, and says what the spans are.
+template <class A, class B, class T>
+void sweep_together(std::span<const A> a, std::span<const Vec3<T>> motions, std::span<const B> b, std::span<BasicImpact<T>> out);
+/// What sweep_together() takes.
+template <class A, class B, class T>
+inline constexpr bool kSweptTogether = std::is_same_v<B, Plane<T>> || std::is_same_v<B, Sphere<T>> || std::is_same_v<B, Capsule<T>>
+                                           ? std::is_same_v<A, Sphere<T>> || std::is_same_v<A, Capsule<T>>
+                                           : std::is_same_v<A, Sphere<T>> &&
+                                                 (std::is_same_v<B, Aabb<T>> || std::is_same_v<B, Obb<T>> ||
+                                                  std::is_same_v<B, Triangle<T>> || std::is_same_v<B, Cylinder<T>>);
 
 /// Batches: a[i] by motions[i] against b[i], the same bits as of the single call. For every pair of types above but meshes.
 /// Cost: spheres against planes, spheres, capsules, boxes and triangles, several at once: 11 to 45 ns. What else there is, one by one.
@@ -131,8 +134,8 @@ template <class A, class B, class T>
 void sweep(std::span<const A> a, std::span<const Vec3<T>> motions, std::span<const B> b, std::span<BasicImpact<T>> out) {
     CAROM_REQUIRE(a.size() == motions.size() && a.size() == b.size() && a.size() == out.size(), ErrorCode::InvalidArgument,
                   "sweep: spans differ in length");
-    if constexpr (std::is_same_v<A, Sphere<T>> && kSweptInLanes<B, T>) {
-        sweep_spheres(a, motions, b, out);
+    if constexpr (kSweptTogether<A, B, T>) {
+        sweep_together(a, motions, b, out);
     } else {
         for (std::size_t i = 0; i < a.size(); ++i) out[i] = sweep(a[i], motions[i], b[i]);
     }

@@ -1,6 +1,7 @@
-// Batches of moving spheres: transposed into rows, taken by the kernels in lanes, and what these leave by the single call.
+// Batches of moving spheres and capsules: transposed into rows, taken by the kernels in lanes, and what these leave by the single call.
 #include <carom/narrowphase/sweep.hpp>
 
+#include <carom/narrowphase/detail/sweep_frame.hpp>
 #include <carom/narrowphase/detail/sweep_lanes.hpp>
 
 #include <algorithm>
@@ -11,6 +12,7 @@
 namespace carom::geo {
 namespace {
 
+using carom::detail::Sweeper;
 using carom::detail::SweptCore;
 using carom::detail::SweptRows;
 
@@ -28,55 +30,58 @@ private:
     double* to_;
 };
 
+// Write a shape's numbers, and say what it is.
 template <class T>
-constexpr SweptCore core_of(const Plane<T>*) {
+SweptCore put(Column c, const Plane<T>& p) noexcept {
+    c.put(p.normal), c.put(double(p.offset));
     return SweptCore::Plane;
 }
 template <class T>
-constexpr SweptCore core_of(const Sphere<T>*) {
+SweptCore put(Column c, const Sphere<T>& s) noexcept {
+    c.put(s.center), c.put(double(s.radius));
     return SweptCore::Point;
 }
 template <class T>
-constexpr SweptCore core_of(const Capsule<T>*) {
+SweptCore put(Column c, const Capsule<T>& s) noexcept {
+    c.put(s.axis.a), c.put(s.axis.b), c.put(double(s.radius));
     return SweptCore::Segment;
 }
 template <class T>
-constexpr SweptCore core_of(const Aabb<T>*) {
+SweptCore put(Column c, const Cylinder<T>& s) noexcept {
+    c.put(s.axis.a), c.put(s.axis.b), c.put(double(s.radius));
+    return SweptCore::Tube;
+}
+template <class T>
+SweptCore put(Column c, const Aabb<T>& b) noexcept {
+    c.put(b.lower), c.put(b.upper);
     return SweptCore::Box;
 }
 template <class T>
-constexpr SweptCore core_of(const Obb<T>*) {
+SweptCore put(Column c, const Obb<T>& b) noexcept {
+    c.put(b.center), c.put(b.half_extents), c.put(b.axes[0]), c.put(b.axes[1]), c.put(b.axes[2]);
     return SweptCore::TurnedBox;
 }
 template <class T>
-constexpr SweptCore core_of(const Triangle<T>*) {
+SweptCore put(Column c, const Triangle<T>& t) noexcept {
+    c.put(t.a), c.put(t.b), c.put(t.c);
     return SweptCore::Triangle;
 }
 
+// What moves.
 template <class T>
-void put(Column c, const Plane<T>& p) noexcept {
-    c.put(p.normal), c.put(double(p.offset));
+void put_moving(SweptRows& rows, std::size_t i, const Sphere<T>& a) noexcept {
+    put(Column(rows, 0, i), a);
 }
 template <class T>
-void put(Column c, const Sphere<T>& s) noexcept {
-    c.put(s.center), c.put(double(s.radius));
+void put_moving(SweptRows& rows, std::size_t i, const Capsule<T>& a) noexcept {
+    put(Column(rows, 0, i), Sphere<T>{a.axis.a, a.radius});
+    Column(rows, SweptRows::kEnd, i).put(a.axis.b);
 }
-template <class T>
-void put(Column c, const Capsule<T>& s) noexcept {
-    c.put(s.axis.a), c.put(s.axis.b), c.put(double(s.radius));
+template <class A>
+constexpr Sweeper kSweeper = requires(A a) {
+    a.axis;
 }
-template <class T>
-void put(Column c, const Aabb<T>& b) noexcept {
-    c.put(b.lower), c.put(b.upper);
-}
-template <class T>
-void put(Column c, const Obb<T>& b) noexcept {
-    c.put(b.center), c.put(b.half_extents), c.put(b.axes[0]), c.put(b.axes[1]), c.put(b.axes[2]);
-}
-template <class T>
-void put(Column c, const Triangle<T>& t) noexcept {
-    c.put(t.a), c.put(t.b), c.put(t.c);
-}
+? Sweeper::Capsule : Sweeper::Sphere;
 
 /// Downward, as rounded() of detail/sweep_frame.hpp, for t > 0 where it is rounded up.
 template <class T>
@@ -89,9 +94,18 @@ T time_of(double exact) noexcept {
     }
 }
 
-/// Number by number: what has just been stored by eights is slow to copy by sixteens.
+/// Where two capsules that touch are nearest, which kernels leave out.
 template <class T>
-void take(const SweptRows& rows, std::size_t i, BasicImpact<T>& to) noexcept {
+dvec3 point_of(const SweptRows& rows, std::size_t i, const Capsule<T>& a, const Vec3<T>& motion, const Capsule<T>& b) noexcept {
+    const dvec3 from(a.axis.a), at = from + rows.out[SweptRows::kTime][i] * dvec3(motion);
+    const dvec3 normal{rows.out[SweptRows::kNormal][i], rows.out[SweptRows::kNormal + 1][i], rows.out[SweptRows::kNormal + 2][i]};
+    const Segment<double> axis{dvec3(b.axis.a), dvec3(b.axis.b)};
+    return nearest_under(at, dvec3(a.axis.b) - from, axis) - double(b.radius) * normal;
+}
+
+/// Number by number: what has just been stored by eights is slow to copy by sixteens.
+template <class A, class B, class T>
+void take(const SweptRows& rows, std::size_t i, const A& a, const Vec3<T>& motion, const B& b, BasicImpact<T>& to) noexcept {
     to.status = static_cast<ImpactStatus>(static_cast<int>(rows.out[SweptRows::kState][i]));
     to.t = time_of<T>(rows.out[SweptRows::kTime][i]);
     for (int k = 0; k < 3; ++k) {
@@ -100,47 +114,57 @@ void take(const SweptRows& rows, std::size_t i, BasicImpact<T>& to) noexcept {
         to.normal[k] = static_cast<T>(rows.out[SweptRows::kNormal + row][i]);
     }
     to.checks = 0;
+    if constexpr (std::is_same_v<B, Cylinder<T>>) to.checks = static_cast<int>(rows.out[SweptRows::kChecks][i]);
+    if constexpr (std::is_same_v<A, Capsule<T>> && std::is_same_v<B, Capsule<T>>) {
+        if (to.status == ImpactStatus::Touching) to.point = Vec3<T>(point_of(rows, i, a, motion, b));
+    }
 }
 
 }  // namespace
 
-template <class T, class B>
-void sweep_spheres(std::span<const Sphere<T>> a, std::span<const Vec3<T>> motions, std::span<const B> b, std::span<BasicImpact<T>> out) {
+template <class A, class B, class T>
+void sweep_together(std::span<const A> a, std::span<const Vec3<T>> motions, std::span<const B> b, std::span<BasicImpact<T>> out) {
     CAROM_REQUIRE(a.size() == motions.size() && a.size() == b.size() && a.size() == out.size(), ErrorCode::InvalidArgument,
-                  "sweep_spheres: spans differ in length");
+                  "sweep_together: spans differ in length");
     SweptRows rows;
     for (std::size_t first = 0; first < a.size(); first += SweptRows::kPairs) {
         const std::size_t count = std::min(a.size() - first, SweptRows::kPairs);
         const std::size_t filled = (count + SweptRows::kStep - 1) / SweptRows::kStep * SweptRows::kStep;
+        SweptCore core{};
         for (std::size_t i = 0; i < filled; ++i) {
             const std::size_t pair = first + std::min(i, count - 1);  // the last fills what is left of its step
-            put(Column(rows, 0, i), a[pair]);
+            put_moving(rows, i, a[pair]);
             Column(rows, SweptRows::kMotion, i).put(motions[pair]);
-            put(Column(rows, SweptRows::kShape, i), b[pair]);
+            core = put(Column(rows, SweptRows::shape_row(kSweeper<A>), i), b[pair]);
         }
-        carom::detail::sweep_lanes(core_of(b.data()), rows, filled);
+        carom::detail::sweep_lanes(kSweeper<A>, core, rows, filled);
         for (std::size_t i = 0; i < count; ++i) {
             const std::size_t pair = first + i;
             if (rows.out[SweptRows::kState][i] == SweptRows::kUnsure) {
                 out[pair] = sweep(a[pair], motions[pair], b[pair]);
             } else {
-                take(rows, i, out[pair]);
+                take(rows, i, a[pair], motions[pair], b[pair], out[pair]);
             }
         }
     }
 }
 
-#define CAROM_SWEPT_SPHERES(B)                                                                                              \
-    template void sweep_spheres(std::span<const Sphere<float>>, std::span<const Vec3<float>>, std::span<const B<float>>,    \
-                                std::span<BasicImpact<float>>);                                                             \
-    template void sweep_spheres(std::span<const Sphere<double>>, std::span<const Vec3<double>>, std::span<const B<double>>, \
-                                std::span<BasicImpact<double>>);
-CAROM_SWEPT_SPHERES(Plane)
-CAROM_SWEPT_SPHERES(Sphere)
-CAROM_SWEPT_SPHERES(Capsule)
-CAROM_SWEPT_SPHERES(Aabb)
-CAROM_SWEPT_SPHERES(Obb)
-CAROM_SWEPT_SPHERES(Triangle)
-#undef CAROM_SWEPT_SPHERES
+#define CAROM_SWEPT_OF(A, B, T) \
+    template void sweep_together(std::span<const A<T>>, std::span<const Vec3<T>>, std::span<const B<T>>, std::span<BasicImpact<T>>);
+#define CAROM_SWEPT(A, B)       \
+    CAROM_SWEPT_OF(A, B, float) \
+    CAROM_SWEPT_OF(A, B, double)
+CAROM_SWEPT(Sphere, Plane)
+CAROM_SWEPT(Sphere, Sphere)
+CAROM_SWEPT(Sphere, Capsule)
+CAROM_SWEPT(Sphere, Aabb)
+CAROM_SWEPT(Sphere, Obb)
+CAROM_SWEPT(Sphere, Triangle)
+CAROM_SWEPT(Sphere, Cylinder)
+CAROM_SWEPT(Capsule, Plane)
+CAROM_SWEPT(Capsule, Sphere)
+CAROM_SWEPT(Capsule, Capsule)
+#undef CAROM_SWEPT
+#undef CAROM_SWEPT_OF
 
 }  // namespace carom::geo

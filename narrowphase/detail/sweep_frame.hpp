@@ -1,6 +1,7 @@
 // What every sweep in closed form begins and ends with: bad input, the frame about A's start, and the way back to the caller's.
 #pragma once
 
+#include <carom/collision/closest_points.hpp>
 #include <carom/collision/primitives.hpp>
 #include <carom/narrowphase/detail/sweep_parts.hpp>
 #include <carom/narrowphase/impact.hpp>
@@ -76,6 +77,12 @@ inline constexpr Impact kInvalidImpact{.status = ImpactStatus::Invalid, .t = 0.0
     if (part.t > 1.0) return {};
     if (part.t <= 0.0) return {.status = ImpactStatus::Overlapping, .t = 0.0};
     return {ImpactStatus::Touching, part.t, frame.from + part.t * frame.motion + frame.radius_a * part.normal, part.normal, 0};
+}
+
+/// @return where B is nearest to a capsule's axis that begins at `at`.
+template <class B>
+[[nodiscard]] dvec3 nearest_under(const dvec3& at, const dvec3& axis, const B& b) noexcept {
+    return closest_points(Segment<double>{at, at + axis}, b).on_b;
 }
 
 /// Rounds to T, the time downward.

@@ -15,20 +15,26 @@ namespace {
 /// One group of columns.
 struct Columns {
     SweptRows& rows;
-    std::size_t first;
+    std::size_t first, shape;
     Doubles3 from, motion;
     Doubles radius;
     DoubleMask sure;  ///< the input is good
 
-    HWY_INLINE Columns(SweptRows& all, std::size_t column)
-        : rows(all), first(column), from(three(0)), motion(three(SweptRows::kMotion)), radius(one(SweptRows::kRadius)), sure(usual(from)) {
+    HWY_INLINE Columns(SweptRows& all, std::size_t column, Sweeper a)
+        : rows(all),
+          first(column),
+          shape(SweptRows::shape_row(a)),
+          from(three(0)),
+          motion(three(SweptRows::kMotion)),
+          radius(one(SweptRows::kRadius)),
+          sure(usual(from)) {
         sure = sure & usual(motion) & fit(radius);
     }
     HWY_INLINE Doubles one(std::size_t row) const { return load(rows.in[row] + first); }
     HWY_INLINE Doubles3 three(std::size_t row) const { return {one(row), one(row + 1), one(row + 2)}; }
     /// B's numbers. The first three of a vector.
-    HWY_INLINE Doubles number(std::size_t k) const { return one(SweptRows::kShape + k); }
-    HWY_INLINE Doubles3 vector(std::size_t k) const { return three(SweptRows::kShape + k); }
+    HWY_INLINE Doubles number(std::size_t k) const { return one(shape + k); }
+    HWY_INLINE Doubles3 vector(std::size_t k) const { return three(shape + k); }
 
     static HWY_INLINE DoubleMask usual(Doubles x) { return abs(x) <= Doubles(kLargestSwept); }
     static HWY_INLINE DoubleMask usual(const Doubles3& v) { return usual(v.x) & usual(v.y) & usual(v.z); }
@@ -60,14 +66,37 @@ struct Columns {
     }
 };
 
+/// When a part is first met, and the way towards it then.
+struct Meeting {
+    Doubles t;
+    Doubles3 normal;
+};
+
+/// The other end of a capsule's axis.
+HWY_INLINE Doubles3 other_end(Columns& c) {
+    const Doubles3 end = c.three(SweptRows::kEnd);
+    c.sure = c.sure & Columns::usual(end);
+    return end;
+}
+
+template <Sweeper kA>
 struct AtPlane {
     static HWY_INLINE void sweep(Columns& c) {
         const Doubles zero(0.0), one(1.0);
         const Doubles3 given = c.vector(0);
         const Doubles scale = length(given);
         c.sure = c.sure & Columns::usual(given) & Columns::usual(c.number(3)) & (scale >= Doubles(kShortestNormal));
-        const Doubles3 n = over(given, scale), low = c.from - n * c.radius;
-        const Doubles offset = c.number(3) / scale, size = length(c.from) + c.radius;
+        const Doubles3 n = over(given, scale);
+        Doubles3 core = c.from;
+        Doubles size = length(c.from);
+        if constexpr (kA == Sweeper::Capsule) {
+            const Doubles3 end = other_end(c);
+            core = select(dot(n, c.from) <= dot(n, end), c.from, end);
+            size = greatest(size, length(end));
+        }
+        size = size + c.radius;
+        const Doubles3 low = core - n * c.radius;
+        const Doubles offset = c.number(3) / scale;
         const Doubles height = dot(n, low) - offset - (Doubles(kGrowth) * (size + abs(offset)) + Doubles(kLeastGrowth));
         const DoubleMask apart = height > zero;
         const Doubles closing = -dot(n, c.motion) + Doubles(8.0 * 0x1p-52) * dot(abs(n), abs(c.motion));
@@ -99,13 +128,47 @@ struct AtSegment {
     }
 };
 
-struct BoxMeeting {
-    Doubles t;
-    Doubles3 normal;
+// As sweep_edges() of sweep.cpp.
+HWY_INLINE Meeting sweep_edges(const WidePath& path, const Doubles3& axis, const Doubles3& q, const Doubles3& u, DoubleMask& sure) {
+    const Doubles3 back = -axis;
+    const WideFace face(path, q, u, back);
+    const Doubles rim = path.radius + face.rim_growth();
+    Doubles3 normal = zero3();
+    const Doubles on_face = face.sweep_face<FaceKind::Parallelogram>(path, normal);
+    WideMeeting met{on_face, zero3()};
+    met = earlier(met, sweep_segment(path, rim, q, u, sure));
+    met = earlier(met, sweep_segment(path, rim, q - axis, u, sure));
+    met = earlier(met, sweep_segment(path, rim, q, back, sure));
+    met = earlier(met, sweep_segment(path, rim, q + u, back, sure));
+    return {met.t, select(met.t < on_face, direction(met.gap, path, path.motion), normal)};
+}
+
+struct CapsuleAtPoint {
+    static HWY_INLINE void sweep(Columns& c) {
+        const Doubles3 centre = c.vector(0), q = centre - c.from, axis = other_end(c) - c.from;
+        const Doubles radius = c.number(3);
+        c.sure = c.sure & Columns::usual(centre) & Columns::fit(radius) & long_or_none(c.motion);
+        const WidePath path = c.path(c.motion, length(q) + length(axis), radius);
+        const WideMeeting met = sweep_segment(path, path.radius, q, -axis, c.sure);
+        const Doubles3 normal = direction(met.gap, path, path.motion);
+        const DoubleMask overlaps = met.t <= Doubles(0.0), touches = (met.t <= Doubles(1.0)) & !overlaps;
+        c.answer(touches, overlaps, met.t, centre - normal * radius, normal);
+    }
+};
+
+struct CapsuleAtSegment {
+    static HWY_INLINE void sweep(Columns& c) {
+        const Doubles3 a = c.vector(0), b = c.vector(3), q = a - c.from, u = b - a, axis = other_end(c) - c.from;
+        const Doubles radius = c.number(6);
+        c.sure = c.sure & Columns::usual(a) & Columns::usual(b) & Columns::fit(radius) & long_or_none(c.motion);
+        const WidePath path = c.path(c.motion, greatest(length(q), length(q + u)) + length(axis), radius);
+        const Meeting met = sweep_edges(path, axis, q, u, c.sure);
+        c.answer(met.t, met.normal);
+    }
 };
 
 // As sweep_box() of sweep_parts.cpp.
-HWY_INLINE BoxMeeting sweep_box(const WidePath& path, const Doubles3& lower, const Doubles3& upper, DoubleMask& sure) {
+HWY_INLINE Meeting sweep_box(const WidePath& path, const Doubles3& lower, const Doubles3& upper, DoubleMask& sure) {
     const Doubles zero(0.0), one(1.0), never(kNoContact);
     const Doubles3& d = path.motion;
     const WideSlabs slabs{{d.x, lower.x, upper.x, path.radius}, {d.y, lower.y, upper.y, path.radius}, {d.z, lower.z, upper.z, path.radius}};
@@ -138,7 +201,7 @@ struct AtBox {
     static HWY_INLINE void sweep(Columns& c) {
         const Doubles3 low = c.vector(0), high = c.vector(3), lower = low - c.from, upper = high - c.from;
         c.sure = c.sure & Columns::usual(low) & Columns::usual(high) & (low.x <= high.x) & (low.y <= high.y) & (low.z <= high.z);
-        const BoxMeeting met = sweep_box(c.path(c.motion, farthest(lower, upper), Doubles(0.0)), lower, upper, c.sure);
+        const Meeting met = sweep_box(c.path(c.motion, farthest(lower, upper), Doubles(0.0)), lower, upper, c.sure);
         c.answer(met.t, met.normal);
     }
 };
@@ -152,7 +215,7 @@ struct AtTurnedBox {
         c.sure = c.sure & Columns::usual(centre) & Columns::fit(half.x) & Columns::fit(half.y) & Columns::fit(half.z) & Columns::usual(x) &
                  Columns::usual(y) & Columns::usual(z) & Columns::usual(from) & Columns::usual(motion);
         const Doubles3 lower = -half - from, upper = half - from;
-        const BoxMeeting met = sweep_box(c.path(motion, farthest(lower, upper), Doubles(0.0)), lower, upper, c.sure);
+        const Meeting met = sweep_box(c.path(motion, farthest(lower, upper), Doubles(0.0)), lower, upper, c.sure);
         const DoubleMask overlaps = met.t <= Doubles(0.0), touches = (met.t <= Doubles(1.0)) & !overlaps;
         const Doubles3 point = (from + motion * met.t) + met.normal * c.radius;
         c.answer(touches, overlaps, met.t, centre + from_box(point), from_box(met.normal));
@@ -171,38 +234,107 @@ struct AtTriangle {
         const auto chosen = [&](const Doubles3& a, const Doubles3& b, const Doubles3& other) {
             return select(from_a, a, select(from_b, b, other));
         };
-        const WideCorner corner(path, chosen(p, q, r), chosen(sides[0], sides[1], sides[2]), -chosen(sides[2], sides[0], sides[1]));
-        const Doubles rim = path.radius + corner.rim_growth();
+        const WideFace face(path, chosen(p, q, r), chosen(sides[0], sides[1], sides[2]), -chosen(sides[2], sides[0], sides[1]));
+        const Doubles rim = path.radius + face.rim_growth();
         Doubles3 normal = zero3();
-        const Doubles on_face = corner.sweep_face(path, normal);
+        const Doubles on_face = face.sweep_face<FaceKind::Triangle>(path, normal);
         WideMeeting met{on_face, zero3()};
         for (int k = 0; k < 3; ++k) met = earlier(met, sweep_segment(path, rim, corners[k], sides[k], c.sure));
         c.answer(met.t, select(met.t < on_face, direction(met.gap, path, path.motion), normal));
     }
 };
 
+/// Tube of sweep_solid.cpp.
+struct WideTube {
+    Doubles3 centre, axis;
+    Doubles half, radius;
+
+    HWY_INLINE WideTube(const Doubles3& middle, const Doubles3& all, Doubles r) : centre(middle), axis(zero3()), half(0.0), radius(r) {
+        const Doubles zero(0.0), longest = greatest_of(abs(all));
+        const DoubleMask none_at_all = longest == zero;
+        const Doubles3 scaled = over(all, longest);
+        const Doubles whole = length(scaled);
+        axis = select(none_at_all, zero3(), over(scaled, whole));
+        half = select(none_at_all, zero, Doubles(0.5) * longest * whole);
+    }
+    HWY_INLINE Doubles3 way_to(const Doubles3& p) const {
+        const Doubles zero(0.0);
+        const Doubles3 from = p - centre;
+        const Doubles along = dot(from, axis);
+        Doubles3 across = from - axis * along;
+        across = across - axis * dot(across, axis);
+        const Doubles out = length(across), beside = greatest(out - radius, zero), beyond = greatest(abs(along) - half, zero);
+        const Doubles signed_beyond{hn::CopySign(beyond.raw, along.raw)};
+        return across * select(out > zero, beside / out, zero) + axis * signed_beyond;
+    }
+    HWY_INLINE Doubles reach(const Doubles3& n) const {
+        const Doubles along = dot(n, axis);
+        return dot(n, centre) + half * abs(along) + radius * length(n - axis * along);
+    }
+};
+
+// As advance() of sweep_solid.cpp, without an axis of A's own.
+struct AtTube {
+    static constexpr int kMostPlanes = 40;  ///< what takes more is left to the single call
+
+    static HWY_INLINE void sweep(Columns& c) {
+        const Doubles zero(0.0), one(1.0);
+        const Doubles3 a = c.vector(0), b = c.vector(3);
+        c.sure = c.sure & Columns::usual(a) & Columns::usual(b) & Columns::fit(c.number(6));
+        const WideTube tube((a - c.from + (b - c.from)) * Doubles(0.5), b - a, c.number(6));
+        const WidePath path = c.path(c.motion, length(tube.centre) + tube.half + tube.radius, zero);
+        const Doubles slack = path.radius - c.radius, hidden = Doubles(8.0 * 0x1p-52) * length(path.motion);
+        DoubleMask active = c.sure, touches = active & !active, overlaps = touches;
+        Doubles t = zero, checks = zero;
+        Doubles3 normal = zero3();
+        for (int k = 0; k < kMostPlanes && !none(active); ++k) {
+            const Doubles3 at = path.motion * t;
+            const Doubles3 way = tube.way_to(at + zero3());
+            const Doubles across = length(way);
+            const DoubleMask inside = !(across > zero);
+            const Doubles3 n = select(inside, zero3(), over(way, across));
+            const Doubles gap = dot(n, at) + zero - tube.reach(n) - path.radius, closing = -dot(n, path.motion) + hidden;
+            const Doubles next = t + gap / closing * Doubles(kRounded);
+            checks = select(active, checks + one, checks);
+            const DoubleMask met = active & (inside | !(gap > slack)), moves = active & !met & (closing > zero) & (next <= one);
+            const DoubleMask stays = moves & !(next > t), now = (met & (t > zero)) | stays;
+            normal = select(now, -n, normal);
+            touches = touches | now;
+            overlaps = overlaps | (met & !(t > zero));
+            active = moves & !stays;
+            t = select(active, next, t);
+        }
+        c.sure = c.sure & !active;
+        c.answer(touches, overlaps, t, (c.from + path.motion * t) + normal * c.radius, normal);
+        store(checks, c.rows.out[SweptRows::kChecks] + c.first);
+    }
+};
+
 template <class Core>
-void run(SweptRows& rows, std::size_t count) {
+void run(Sweeper a, SweptRows& rows, std::size_t count) {
     for (std::size_t first = 0; first < count; first += static_cast<std::size_t>(kDoubleLanes)) {
-        Columns columns(rows, first);
+        Columns columns(rows, first, a);
         Core::sweep(columns);
     }
 }
 
-void SweepLanes(SweptCore core, SweptRows& rows, std::size_t count) {
-    switch (core) {
+void SweepLanes(Sweeper a, SweptCore b, SweptRows& rows, std::size_t count) {
+    const bool sphere = a == Sweeper::Sphere;
+    switch (b) {
         case SweptCore::Plane:
-            return run<AtPlane>(rows, count);
+            return sphere ? run<AtPlane<Sweeper::Sphere>>(a, rows, count) : run<AtPlane<Sweeper::Capsule>>(a, rows, count);
         case SweptCore::Point:
-            return run<AtPoint>(rows, count);
+            return sphere ? run<AtPoint>(a, rows, count) : run<CapsuleAtPoint>(a, rows, count);
         case SweptCore::Segment:
-            return run<AtSegment>(rows, count);
+            return sphere ? run<AtSegment>(a, rows, count) : run<CapsuleAtSegment>(a, rows, count);
         case SweptCore::Box:
-            return run<AtBox>(rows, count);
+            return run<AtBox>(a, rows, count);
         case SweptCore::TurnedBox:
-            return run<AtTurnedBox>(rows, count);
+            return run<AtTurnedBox>(a, rows, count);
         case SweptCore::Triangle:
-            return run<AtTriangle>(rows, count);
+            return run<AtTriangle>(a, rows, count);
+        case SweptCore::Tube:
+            return run<AtTube>(a, rows, count);
     }
 }
 
@@ -214,6 +346,8 @@ HWY_AFTER_NAMESPACE();
 namespace carom::detail {
 HWY_EXPORT(SweepLanes);
 
-void sweep_lanes(SweptCore core, SweptRows& rows, std::size_t count) noexcept { HWY_DYNAMIC_DISPATCH(SweepLanes)(core, rows, count); }
+void sweep_lanes(Sweeper a, SweptCore b, SweptRows& rows, std::size_t count) noexcept {
+    HWY_DYNAMIC_DISPATCH(SweepLanes)(a, b, rows, count);
+}
 }  // namespace carom::detail
 #endif

@@ -112,13 +112,13 @@ HWY_INLINE WideMeeting sweep_segment(const WidePath& path, Doubles radius, const
     return earlier(first, earlier(sweep_point(path, ends, q, at_ends), sweep_point(path, ends, q + u, at_ends & !is_point)));
 }
 
-/// What is_needle(), face_slack() and rim_growth() of sweep_parts.hpp say of a triangle's corner.
-struct WideCorner {
+/// SweepFace of sweep_parts.hpp.
+struct WideFace {
     Doubles3 q, u, v, area;
     Doubles twice, length_u, length_v, slack;
     DoubleMask needle;
 
-    HWY_INLINE WideCorner(const WidePath& path, const Doubles3& at, const Doubles3& side_u, const Doubles3& side_v)
+    HWY_INLINE WideFace(const WidePath& path, const Doubles3& at, const Doubles3& side_u, const Doubles3& side_v)
         : q(at),
           u(side_u),
           v(side_v),
@@ -138,7 +138,8 @@ struct WideCorner {
         const Doubles of_needle = select(longest > Doubles(0.0), twice / longest + rounding, Doubles(0.0));
         return select(needle, of_needle, two * slack);
     }
-    /// The inside of the triangle. @param normal  towards it.
+    /// The inside of the triangle or parallelogram. @param normal  towards it.
+    template <FaceKind kKind>
     HWY_INLINE Doubles sweep_face(const WidePath& path, Doubles3& normal) const {
         const Doubles zero(0.0), radius = path.radius + Doubles(0.5) * slack;
         const Doubles3 given = over(area, twice);
@@ -152,7 +153,9 @@ struct WideCorner {
         const Doubles3 p = path.motion * t - q;
         const Doubles r = dot(cross(p, v), area), s = dot(cross(u, p), area), whole = twice * twice;
         const Doubles rim_r = slack * twice * length_v, rim_s = slack * twice * length_u;
-        const DoubleMask inside = (r >= -rim_r) & (s >= -rim_s) & (r + s <= whole + rim_r + rim_s);
+        const DoubleMask within_both =
+            kKind == FaceKind::Triangle ? r + s <= whole + rim_r + rim_s : (r <= whole + rim_r) & (s <= whole + rim_s);
+        const DoubleMask inside = (r >= -rim_r) & (s >= -rim_s) & within_both;
         normal = -n;
         return select((!needle) & comes & inside, t, Doubles(kNoContact));
     }

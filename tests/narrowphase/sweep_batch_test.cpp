@@ -1,4 +1,4 @@
-// Batches of moving spheres, taken several at once, against the single calls, which sweep_test.cpp holds to exact distances: the same bits at
+// Batches of moving spheres and capsules, taken several at once, against the single calls, which sweep_test.cpp holds to exact distances: the same bits at
 // every width.
 #include <carom/core/simd_width.hpp>
 #include <carom/narrowphase/sweep.hpp>
@@ -56,6 +56,12 @@ void fill(Random& r, geo::Capsule<T>& c) {
     if (r.unit() < 0.05) c.axis.b = c.axis.a + V<T>(T(1e-30), T(0), T(1e-30));
 }
 template <class T>
+void fill(Random& r, geo::Cylinder<T>& c) {
+    c = {{some_vector<T>(r, 1.0), some_vector<T>(r, 1.0)}, some_size<T>(r, 0.4)};
+    if (r.unit() < 0.1) c.axis.b = c.axis.a;
+    if (r.unit() < 0.15) c.axis.b = c.axis.a + T(std::pow(10.0, r.range(-30.0, -1.0))) * any_vector<T>(r, 1.0);
+}
+template <class T>
 void fill(Random& r, geo::Aabb<T>& b) {
     const V<T> p = some_vector<T>(r, 1.0), q = some_vector<T>(r, 1.0);
     b = {glm::min(p, q), glm::max(p, q)};
@@ -74,23 +80,35 @@ void fill(Random& r, geo::Triangle<T>& t) {
     if (chance > 0.85) t.c = t.a + T(r.range(-0.5, 1.5)) * (t.b - t.a) + T(std::pow(10.0, r.range(-20.0, -2.0))) * any_vector<T>(r, 1.0);
 }
 
-template <class T, class B>
+/// What moves, with its reference point at `at`.
+template <class T>
+geo::Sphere<T> placed(Random&, const geo::Sphere<T>&, const V<T>& at, T radius) {
+    return {at, radius};
+}
+template <class T>
+geo::Capsule<T> placed(Random& r, const geo::Capsule<T>&, const V<T>& at, T radius) {
+    geo::Capsule<T> c;
+    fill(r, c);
+    return {{at, at + (c.axis.b - c.axis.a)}, radius};
+}
+
+template <class T, class A, class B>
 struct Batch {
-    std::vector<geo::Sphere<T>> a;
+    std::vector<A> a;
     std::vector<V<T>> motions;
     std::vector<B> b;
     std::vector<BasicImpact<T>> singly;
 
-    void add(const geo::Sphere<T>& ball, const V<T>& motion, const B& other) {
-        a.push_back(ball), motions.push_back(motion), b.push_back(other);
-        singly.push_back(geo::sweep(ball, motion, other));
+    void add(const A& moving, const V<T>& motion, const B& other) {
+        a.push_back(moving), motions.push_back(motion), b.push_back(other);
+        singly.push_back(geo::sweep(moving, motion, other));
     }
     [[nodiscard]] std::vector<BasicImpact<T>> swept(std::size_t from, std::size_t count) const {
         std::vector<BasicImpact<T>> out(count);
-        const std::span<const geo::Sphere<T>> balls(a);
+        const std::span<const A> movers(a);
         const std::span<const V<T>> ways(motions);
         const std::span<const B> others(b);
-        geo::sweep<geo::Sphere<T>, B, T>(balls.subspan(from, count), ways.subspan(from, count), others.subspan(from, count), out);
+        geo::sweep<A, B, T>(movers.subspan(from, count), ways.subspan(from, count), others.subspan(from, count), out);
         return out;
     }
 };
@@ -107,8 +125,8 @@ bool same_bits(const BasicImpact<T>& p, const BasicImpact<T>& q) {
     return same;
 }
 
-template <class T, class B>
-void expect_the_single_calls(const Batch<T, B>& batch) {
+template <class T, class A, class B>
+void expect_the_single_calls(const Batch<T, A, B>& batch) {
     for (const int width : available_simd_widths()) {
         set_simd_width(width);
         const std::vector<BasicImpact<T>> out = batch.swept(0, batch.a.size());
@@ -122,28 +140,29 @@ void expect_the_single_calls(const Batch<T, B>& batch) {
     set_simd_width(0);
 }
 
-template <class T, class B>
-int count(const Batch<T, B>& batch, ImpactStatus status) {
+template <class T, class A, class B>
+int count(const Batch<T, A, B>& batch, ImpactStatus status) {
     int n = 0;
     for (const BasicImpact<T>& impact : batch.singly) n += impact.status == status ? 1 : 0;
     return n;
 }
 
 /// From outside, mostly towards B; some start in it, some do not move, some far from the origin or of other sizes.
-template <class T, class B>
-Batch<T, B> random_batch(std::uint64_t seed, int pairs) {
+template <class T, class A, class B>
+Batch<T, A, B> random_batch(std::uint64_t seed, int pairs) {
     Random r(seed);
-    Batch<T, B> batch;
+    Batch<T, A, B> batch;
     for (int i = 0; i < pairs; ++i) {
-        geo::Sphere<T> ball{some_vector<T>(r, 1.0), some_size<T>(r, 0.4)};
+        V<T> at = some_vector<T>(r, 1.0);
+        const T radius = some_size<T>(r, 0.4);
         B other;
         fill(r, other);
         const double chance = r.unit();
         V<T> motion = some_vector<T>(r, chance < 0.3 ? 1.0 : 6.0);
-        if (chance < 0.9) ball.center -= motion * T(0.5);
+        if (chance < 0.9) at -= motion * T(0.5);
         if (chance > 0.97) motion = V<T>(T(0));
         if (chance > 0.94 && chance < 0.95) motion *= T(std::is_same_v<T, float> ? 1e-38 : 1e-90);
-        batch.add(ball, motion, other);
+        batch.add(placed(r, A{}, at, radius), motion, other);
     }
     return batch;
 }
@@ -153,9 +172,9 @@ class SweepBatchOf : public testing::Test {};
 using Scalars = testing::Types<float, double>;
 TYPED_TEST_SUITE(SweepBatchOf, Scalars);
 
-template <class T, class B>
+template <class T, class A, class B>
 void judge_random(std::uint64_t seed) {
-    const Batch<T, B> batch = random_batch<T, B>(seed, 20'000);
+    const Batch<T, A, B> batch = random_batch<T, A, B>(seed, 20'000);
     expect_the_single_calls(batch);
     EXPECT_GT(count(batch, ImpactStatus::Touching), 1'500);
     EXPECT_GT(count(batch, ImpactStatus::Overlapping), 200);
@@ -163,35 +182,40 @@ void judge_random(std::uint64_t seed) {
 }
 TYPED_TEST(SweepBatchOf, RandomPairsAreTheSingleCalls) {
     using T = TypeParam;
-    judge_random<T, geo::Plane<T>>(0x91);
-    judge_random<T, geo::Sphere<T>>(0x5f);
-    judge_random<T, geo::Capsule<T>>(0xca);
-    judge_random<T, geo::Aabb<T>>(0xab);
-    judge_random<T, geo::Obb<T>>(0x0b);
-    judge_random<T, geo::Triangle<T>>(0x74);
+    judge_random<T, geo::Sphere<T>, geo::Plane<T>>(0x91);
+    judge_random<T, geo::Sphere<T>, geo::Sphere<T>>(0x5f);
+    judge_random<T, geo::Sphere<T>, geo::Capsule<T>>(0xca);
+    judge_random<T, geo::Sphere<T>, geo::Aabb<T>>(0xab);
+    judge_random<T, geo::Sphere<T>, geo::Obb<T>>(0x0b);
+    judge_random<T, geo::Sphere<T>, geo::Triangle<T>>(0x74);
+    judge_random<T, geo::Sphere<T>, geo::Cylinder<T>>(0xc1);
+    judge_random<T, geo::Capsule<T>, geo::Plane<T>>(0xc9);
+    judge_random<T, geo::Capsule<T>, geo::Sphere<T>>(0xc5);
+    judge_random<T, geo::Capsule<T>, geo::Capsule<T>>(0xcc);
 }
 
 /// The radius with which a sphere just touches, found by halving, and those next to it.
-template <class T, class B>
+template <class T, class A, class B>
 void judge_grazing(std::uint64_t seed) {
     Random r(seed);
-    Batch<T, B> batch;
+    Batch<T, A, B> batch;
     while (batch.a.size() < 6'000) {
         B other;
         fill(r, other);
         const V<T> motion = some_vector<T>(r, 6.0);
         const V<T> start = some_vector<T>(r, 1.0) - motion * T(0.5);
         T apart = 0, met = 4;
-        const auto touches = [&](T radius) { return may_touch(geo::sweep(geo::Sphere<T>{start, radius}, motion, other).status); };
+        A moving = placed(r, A{}, start, apart);
+        const auto of = [&](T radius) { return moving.radius = radius, moving; };
+        const auto touches = [&](T radius) { return may_touch(geo::sweep(of(radius), motion, other).status); };
         if (touches(apart) || !touches(met)) continue;
         for (int k = 0; k < 64; ++k) {
             const T middle = apart + T(0.5) * (met - apart);
             (touches(middle) ? met : apart) = middle;
         }
-        for (const T radius : {met, apart, std::nextafter(met, T(9)), std::nextafter(apart, T(0))})
-            batch.add({start, radius}, motion, other);
+        for (const T radius : {met, apart, std::nextafter(met, T(9)), std::nextafter(apart, T(0))}) batch.add(of(radius), motion, other);
         for (const double gap : {1e-15, 1e-13, 1e-11, 1e-9, 1e-7}) {
-            for (const double sign : {-1.0, 1.0}) batch.add({start, T(double(met) * (1.0 + sign * gap))}, motion, other);
+            for (const double sign : {-1.0, 1.0}) batch.add(of(T(double(met) * (1.0 + sign * gap))), motion, other);
         }
     }
     expect_the_single_calls(batch);
@@ -200,12 +224,16 @@ void judge_grazing(std::uint64_t seed) {
 }
 TYPED_TEST(SweepBatchOf, GrazingPairsAreTheSingleCalls) {
     using T = TypeParam;
-    judge_grazing<T, geo::Plane<T>>(0x191);
-    judge_grazing<T, geo::Sphere<T>>(0x15f);
-    judge_grazing<T, geo::Capsule<T>>(0x1ca);
-    judge_grazing<T, geo::Aabb<T>>(0x1ab);
-    judge_grazing<T, geo::Obb<T>>(0x10b);
-    judge_grazing<T, geo::Triangle<T>>(0x174);
+    judge_grazing<T, geo::Sphere<T>, geo::Plane<T>>(0x191);
+    judge_grazing<T, geo::Sphere<T>, geo::Sphere<T>>(0x15f);
+    judge_grazing<T, geo::Sphere<T>, geo::Capsule<T>>(0x1ca);
+    judge_grazing<T, geo::Sphere<T>, geo::Aabb<T>>(0x1ab);
+    judge_grazing<T, geo::Sphere<T>, geo::Obb<T>>(0x10b);
+    judge_grazing<T, geo::Sphere<T>, geo::Triangle<T>>(0x174);
+    judge_grazing<T, geo::Sphere<T>, geo::Cylinder<T>>(0x1c1);
+    judge_grazing<T, geo::Capsule<T>, geo::Plane<T>>(0x1c9);
+    judge_grazing<T, geo::Capsule<T>, geo::Sphere<T>>(0x1c5);
+    judge_grazing<T, geo::Capsule<T>, geo::Capsule<T>>(0x1cc);
 }
 
 /// Calls f with every number that a shape consists of.
@@ -226,6 +254,10 @@ void each_number(geo::Capsule<T>& c, const F& f) {
     each_number(c.axis.a, f), each_number(c.axis.b, f), f(c.radius);
 }
 template <class T, class F>
+void each_number(geo::Cylinder<T>& c, const F& f) {
+    each_number(c.axis.a, f), each_number(c.axis.b, f), f(c.radius);
+}
+template <class T, class F>
 void each_number(geo::Aabb<T>& b, const F& f) {
     each_number(b.lower, f), each_number(b.upper, f);
 }
@@ -240,24 +272,24 @@ void each_number(geo::Triangle<T>& t, const F& f) {
 }
 
 /// Each number of each pair in turn is what no number should be, among pairs that are in order.
-template <class T, class B>
+template <class T, class A, class B>
 void judge_bad(std::uint64_t seed) {
-    const Batch<T, B> good = random_batch<T, B>(seed, 97);
+    const Batch<T, A, B> good = random_batch<T, A, B>(seed, 97);
     const std::vector<double> values{kNan, kInfinity, -kInfinity, 1e71,   -1e71, 1e70,   -1e70,
                                      1e36, -1e36,     -1.0,       1e-200, 1e-65, -1e-39, 1e-142};
-    Batch<T, B> bad;
+    Batch<T, A, B> bad;
     std::size_t next = 0;
     for (const double value : values) {
         for (int number = 0; number < 22; ++number) {
             for (int i = 0; i < 3; ++i) {
                 next = (next + 1) % good.a.size();
-                geo::Sphere<T> ball = good.a[next];
+                A moving = good.a[next];
                 V<T> motion = good.motions[next];
                 B other = good.b[next];
                 int k = 0;
                 const auto spoil = [&](T& x) { x = k++ == number ? static_cast<T>(value) : x; };
-                each_number(ball, spoil), each_number(motion, spoil), each_number(other, spoil);
-                bad.add(ball, motion, other);
+                each_number(moving, spoil), each_number(motion, spoil), each_number(other, spoil);
+                bad.add(moving, motion, other);
                 bad.add(good.a[next], good.motions[next], good.b[next]);
             }
         }
@@ -268,52 +300,63 @@ void judge_bad(std::uint64_t seed) {
 }
 TYPED_TEST(SweepBatchOf, BadNumbersAmongGoodOnesAreTheSingleCalls) {
     using T = TypeParam;
-    judge_bad<T, geo::Plane<T>>(0x291);
-    judge_bad<T, geo::Sphere<T>>(0x25f);
-    judge_bad<T, geo::Capsule<T>>(0x2ca);
-    judge_bad<T, geo::Aabb<T>>(0x2ab);
-    judge_bad<T, geo::Obb<T>>(0x20b);
-    judge_bad<T, geo::Triangle<T>>(0x274);
+    judge_bad<T, geo::Sphere<T>, geo::Plane<T>>(0x291);
+    judge_bad<T, geo::Sphere<T>, geo::Sphere<T>>(0x25f);
+    judge_bad<T, geo::Sphere<T>, geo::Capsule<T>>(0x2ca);
+    judge_bad<T, geo::Sphere<T>, geo::Aabb<T>>(0x2ab);
+    judge_bad<T, geo::Sphere<T>, geo::Obb<T>>(0x20b);
+    judge_bad<T, geo::Sphere<T>, geo::Triangle<T>>(0x274);
+    judge_bad<T, geo::Sphere<T>, geo::Cylinder<T>>(0x2c1);
+    judge_bad<T, geo::Capsule<T>, geo::Plane<T>>(0x2c9);
+    judge_bad<T, geo::Capsule<T>, geo::Sphere<T>>(0x2c5);
+    judge_bad<T, geo::Capsule<T>, geo::Capsule<T>>(0x2cc);
 }
 
 /// From the smallest sizes and ways that are answered to the largest.
-template <class B>
+template <class A, class B>
 void judge_sizes(std::uint64_t seed) {
     Random r(seed);
-    Batch<double, B> batch;
+    Batch<double, A, B> batch;
     for (int i = 0; i < 8'000; ++i) {
-        geo::Sphere<double> ball{some_vector<double>(r, 1.0), some_size<double>(r, 0.4)};
+        const dvec3 at = some_vector<double>(r, 1.0);
+        const double radius = some_size<double>(r, 0.4);
         B other;
         fill(r, other);
         dvec3 motion = some_vector<double>(r, 6.0);
-        ball.center -= 0.5 * motion;
+        A moving = placed(r, A{}, at - 0.5 * motion, radius);
         const double all = std::pow(10.0, r.range(-110.0, 69.0)), of_b = r.unit() < 0.3 ? std::pow(10.0, r.range(-20.0, 3.0)) : 1.0;
         const auto scale = [&](double& x) { x *= all; };
         const auto scale_b = [&](double& x) { x *= of_b * (std::is_same_v<B, geo::Plane<double>> ? 1.0 : all); };
-        each_number(ball, scale), each_number(motion, scale);
+        each_number(moving, scale), each_number(motion, scale);
         if constexpr (std::is_same_v<B, geo::Obb<double>>) {
             each_number(other.center, scale_b), each_number(other.half_extents, scale_b);
         } else {
             each_number(other, scale_b);
         }
         if constexpr (std::is_same_v<B, geo::Plane<double>>) other.offset *= all;
-        batch.add(ball, motion, other);
+        batch.add(moving, motion, other);
     }
     expect_the_single_calls(batch);
     EXPECT_GT(count(batch, ImpactStatus::Touching), 300);
 }
 TEST(SweepBatch, PairsOfAllSizesAreTheSingleCalls) {
-    judge_sizes<geo::Plane<double>>(0x391);
-    judge_sizes<geo::Sphere<double>>(0x35f);
-    judge_sizes<geo::Capsule<double>>(0x3ca);
-    judge_sizes<geo::Aabb<double>>(0x3ab);
-    judge_sizes<geo::Obb<double>>(0x30b);
-    judge_sizes<geo::Triangle<double>>(0x374);
+    using Ball = geo::Sphere<double>;
+    using Rod = geo::Capsule<double>;
+    judge_sizes<Ball, geo::Plane<double>>(0x391);
+    judge_sizes<Ball, geo::Sphere<double>>(0x35f);
+    judge_sizes<Ball, geo::Capsule<double>>(0x3ca);
+    judge_sizes<Ball, geo::Aabb<double>>(0x3ab);
+    judge_sizes<Ball, geo::Obb<double>>(0x30b);
+    judge_sizes<Ball, geo::Triangle<double>>(0x374);
+    judge_sizes<Ball, geo::Cylinder<double>>(0x3c1);
+    judge_sizes<Rod, geo::Plane<double>>(0x3c9);
+    judge_sizes<Rod, geo::Sphere<double>>(0x3c5);
+    judge_sizes<Rod, geo::Capsule<double>>(0x3cc);
 }
 
 /// What is left of the last step is not written, and what is before it neither.
 TEST(SweepBatch, EveryLengthIsAnsweredAndNothingElseIsWritten) {
-    const Batch<float, geo::Triangle<float>> batch = random_batch<float, geo::Triangle<float>>(0x1e9, 300);
+    const auto batch = random_batch<float, geo::Sphere<float>, geo::Triangle<float>>(0x1e9, 300);
     for (const int width : available_simd_widths()) {
         set_simd_width(width);
         for (std::size_t n = 0; n <= 140; ++n) {
@@ -331,16 +374,17 @@ TEST(SweepBatch, EveryLengthIsAnsweredAndNothingElseIsWritten) {
 }
 
 TEST(SweepBatch, SpansOfOtherLengthsAreMisuse) {
-    Batch<double, geo::Plane<double>> batch = random_batch<double, geo::Plane<double>>(0x1, 9);
+    auto batch = random_batch<double, geo::Sphere<double>, geo::Plane<double>>(0x1, 9);
     std::vector<Impact> out(9, Impact{.t = 0.25});
     batch.b.pop_back();
     EXPECT_THROW((geo::sweep<geo::Sphere<double>, geo::Plane<double>, double>(batch.a, batch.motions, batch.b, out)), MisuseError);
     const std::span<const geo::Sphere<double>> a(batch.a);
     const std::span<const dvec3> motions(batch.motions);
     const std::span<const geo::Plane<double>> b(batch.b);
-    EXPECT_THROW((geo::sweep_spheres<double, geo::Plane<double>>(a, motions, b, out)), MisuseError);
-    EXPECT_THROW((geo::sweep_spheres<double, geo::Plane<double>>(a.first(8), motions, b, std::span(out).first(8))), MisuseError);
-    EXPECT_THROW((geo::sweep_spheres<double, geo::Plane<double>>(a.first(8), motions.first(8), b, out)), MisuseError);
+    EXPECT_THROW((geo::sweep_together<geo::Sphere<double>, geo::Plane<double>, double>(a, motions, b, out)), MisuseError);
+    EXPECT_THROW((geo::sweep_together<geo::Sphere<double>, geo::Plane<double>, double>(a.first(8), motions, b, std::span(out).first(8))),
+                 MisuseError);
+    EXPECT_THROW((geo::sweep_together<geo::Sphere<double>, geo::Plane<double>, double>(a.first(8), motions.first(8), b, out)), MisuseError);
     for (const Impact& impact : out) EXPECT_EQ(impact.t, 0.25);
 }
 
