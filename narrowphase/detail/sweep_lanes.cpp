@@ -275,7 +275,7 @@ struct WideTube {
 
 // As advance() of sweep_solid.cpp, without an axis of A's own.
 struct AtTube {
-    static constexpr int kMostPlanes = 40;  ///< what takes more is left to the single call
+    static constexpr int kMostPlanes = 8;  ///< the few that take more are left to the single call, or all would wait for them
 
     static HWY_INLINE void sweep(Columns& c) {
         const Doubles zero(0.0), one(1.0);
