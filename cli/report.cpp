@@ -108,6 +108,11 @@ std::string direct_text(const DirectCounts& direct) {
 
 std::string count(const char* what, std::size_t n) { return n == 0 ? "" : fmt::format("  {} {}", n, what); }
 
+Json memory_json(const WorldMemory& memory) {
+    return {{"bodies", memory.bodies},     {"shapes", memory.shapes}, {"joints", memory.joints},   {"broadphase", memory.broadphase},
+            {"contacts", memory.contacts}, {"solver", memory.solver}, {"scratch", memory.scratch}, {"other", memory.other}};
+}
+
 }  // namespace
 
 Json to_json(const RunRecord& record) {
@@ -122,7 +127,7 @@ Json to_json(const RunRecord& record) {
             {"build", {{"version", version()}, {"compiler", compiler()}, {"type", build_type()}, {"simd_width", simd_width()}}},
             {"plan", plan_json(record.plan)},
             {"time_ms", time_json(record)},
-            {"memory", {{"world_bytes", or_null(record.world_bytes)}}},
+            {"memory", {{"world_bytes", or_null(record.world_bytes)}, {"parts", memory_json(record.memory)}}},
             {"error", error_json(record)},
             {"speed", {{"max", or_null(record.max_speed)}, {"mean", or_null(record.mean_speed)}}},
             {"direct", direct_json(record.direct)},
@@ -157,6 +162,11 @@ std::string summary(const RunRecord& record) {
         fmt::format_to(out, "memory        {:.1f} MB", static_cast<double>(*record.world_bytes) * 1e-6);
         fmt::format_to(out, "{}\n", record.bodies > 0 ? fmt::format(", {} bytes a body", *record.world_bytes / record.bodies) : "");
     }
+    const auto kilobytes = [](std::size_t bytes) { return static_cast<double>(bytes) * 1e-3; };
+    const WorldMemory& parts = record.memory;
+    fmt::format_to(out, "  of it [kB]  bodies {:.0f}, shapes {:.0f}, joints {:.0f}, broadphase {:.0f}, contacts {:.0f}, solver {:.0f}, scratch {:.0f}, other {:.0f}\n", kilobytes(parts.bodies),
+                   kilobytes(parts.shapes), kilobytes(parts.joints), kilobytes(parts.broadphase), kilobytes(parts.contacts), kilobytes(parts.solver),
+                   kilobytes(parts.scratch), kilobytes(parts.other));
     fmt::format_to(out, "broadphase    {}: {}\n", to_string(record.plan.broadphase.method), record.plan.broadphase.reason);
     const auto penetration = [&](const char* kind, const oracle::PenetrationSummary& end, double PeakPenetration::*peak) {
         fmt::format_to(out, "  {:<22} max {:.3g}  mean {:.3g}  over {} pairs", kind, end.maximum, end.mean, end.pairs);

@@ -202,6 +202,7 @@ Result<RunRecord> simulate(scenes::SceneRun& run, const SimulateSettings& settin
         }
     }
     if (const auto now = heap_in_use(); now && settings.heap_before && settings.threads == 1) record.world_bytes = *now - std::min(*now, *settings.heap_before);
+    record.memory = run.world.memory();
     observer.write(record);
     look_at_end(run, record);
     return record;

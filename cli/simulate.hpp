@@ -45,6 +45,8 @@ struct RunRecord {
     std::optional<LateSteps> late;                    ///< none without steps
     std::optional<std::size_t> world_bytes;           ///< that building and running the scene allocated and holds; none where it is not known
 
+    WorldMemory memory;                               ///< at the end
+
     oracle::Penetration penetration;
     std::optional<PeakPenetration> peak;              ///< none where only the end was looked at
     double energy_drift = 0.0;

@@ -38,8 +38,8 @@ inline void radix_sort(std::span<std::uint64_t> keys, std::span<std::uint32_t> p
     const std::size_t n = keys.size();
     if (n < 2) return;
     if (scratch.keys.size() < n) {
-        scratch.keys.resize(n);
         scratch.payload.resize(n);
+        scratch.keys.resize(n);  // last: whoever runs out of memory in between finds too few of them
     }
     std::array<std::array<std::uint32_t, 256>, 8> counts{};
     for (const std::uint64_t key : keys) {

@@ -51,6 +51,8 @@ public:
     }
 
     [[nodiscard]] std::size_t size() const noexcept { return size_; }
+    /// Held, in use or not, without what the values hold elsewhere [bytes].
+    [[nodiscard]] std::size_t memory() const noexcept { return slots_.capacity() * sizeof(Slot) + free_.capacity() * sizeof(free_[0]); }
 
 private:
     struct Slot {

@@ -20,6 +20,7 @@
 #include <carom/dynamics/plan.hpp>
 #include <carom/dynamics/sleep_settings.hpp>
 #include <carom/dynamics/step_report.hpp>
+#include <carom/dynamics/world_memory.hpp>
 #include <carom/narrowphase/manifold.hpp>
 
 #include <array>
@@ -178,6 +179,8 @@ public:
     bool put_to_sleep(BodyId body);
 
     /// Advances by `dt` seconds. dt = 0 changes no bit; NaN, infinite or negative dt is refused. docs/step.md explains each stage.
+    /// What is thrown in it (std::bad_alloc; by the executor or the error handler) comes out, and leaves a world that can go on: some bodies may have
+    /// moved and others not, there are no contacts, and what slept is awake. What is thrown in a loop that several threads share ends the program.
     StepReport step(double dt);
 
     /// What the next step will run and skip, and who will find the pairs. @param dt its length [s], by which boxes go round the motion
@@ -185,6 +188,8 @@ public:
     [[nodiscard]] Plan plan(double dt = 0.0) const;
     /// Hash of every body's pose and velocities, in order of creation; where WorldDef::sleep is on, also of who sleeps and who has been still how long.
     [[nodiscard]] std::uint64_t state_hash() const;
+    /// What the world holds, as the last step left it; larger meanwhile by what its lists are copied to as they grow. Cost: a look at each body.
+    [[nodiscard]] WorldMemory memory() const noexcept;
     [[nodiscard]] Energy energy() const;
     [[nodiscard]] Momentum momentum() const;
 

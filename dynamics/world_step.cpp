@@ -153,10 +153,6 @@ void World::Impl::trim_lists() {
     passing.trim();
     dynamics::trim_scratch(free_bodies);
     continuous.trim();
-    if (!contacts_hold || solver.is_roomy()) {
-        solver.trim();
-        contacts_hold = false;
-    }
 }
 
 // Who touches whom, with the impulses of the step before.
@@ -247,15 +243,42 @@ StepReport World::step(double dt) {
     if (dt == 0.0) return {};
 
     Impl& w = *impl_;
-    if (w.executor().thread_count() == 1) return w.take_step(*this, dt);
+    const auto take_step = [&] {
+        try {
+            return w.take_step(*this, dt);
+        } catch (...) {
+            w.give_up_step();
+            throw;
+        }
+    };
+    if (w.executor().thread_count() == 1) return take_step();
     const bool shared = w.def.plan == PlanMode::Everything || w.share_choice.next(w.body_order.size());
     const auto begin = std::chrono::steady_clock::now();
     StepReport report;
-    const auto work = [&] { report = w.take_step(*this, dt); };
+    const auto work = [&] { report = take_step(); };
     shared ? w.team.run(w.executor(), work) : work();
     report.total_ms = std::chrono::duration<double, std::milli>(std::chrono::steady_clock::now() - begin).count();
     w.share_choice.took(report.total_ms, shared);
     return report;
+}
+
+// Memory that ran out, an executor or an error handler that threw: any list may be half written.
+void World::Impl::give_up_step() noexcept {
+    contacts.clear();
+    previous.clear();
+    last_manifolds.clear();
+    looked.release();
+    candidates.clear();
+    names.now.clear();
+    broadphase.clear();
+    dynamics::note_cleared(proxies);
+    passing.clear();
+    direct.clear();
+    joint_solver.clear();
+    solver.forget();
+    sleepers.wake_all(arrays);
+    paths.is_there = false;
+    contacts_hold = looked_for_contacts = false;
 }
 
 // Bodies that others than the contact solver moved, and those that pass by each other: the next step looks at them again.

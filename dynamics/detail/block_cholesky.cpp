@@ -2,6 +2,7 @@
 
 #include <carom/core/check.hpp>
 #include <carom/dynamics/detail/minimum_degree.hpp>
+#include <carom/dynamics/detail/room.hpp>
 
 #include <algorithm>
 
@@ -67,6 +68,12 @@ void BlockCholesky::solve(std::span<Vector6> x) noexcept {
     for (std::size_t p = 0; p < scratch_.size(); ++p) scratch_[p] = x[as_index(row_at_[p])];
     dynamics::solve({diagonals_, values_, starts_, rows_, targets_}, scratch_);
     for (std::size_t p = 0; p < scratch_.size(); ++p) x[as_index(row_at_[p])] = scratch_[p];
+}
+
+std::size_t BlockCholesky::memory() const noexcept {
+    std::size_t sum = held_by(position_, row_at_, starts_, rows_, targets_, places_, diagonals_, values_, scratch_, columns_);
+    for (const std::vector<std::int32_t>& column : columns_) sum += held_by(column);
+    return sum;
 }
 
 }  // namespace carom::dynamics

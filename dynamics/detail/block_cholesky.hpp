@@ -55,6 +55,7 @@ public:
     [[nodiscard]] bool factorise() noexcept;
     /// Solves H x = b in place, by the factor. @param x  (rows,) in the rows' own order.
     void solve(std::span<Vector6> x) noexcept;
+    [[nodiscard]] std::size_t memory() const noexcept;
 
 private:
     void lay_out(std::span<const BlockEdge> edges);

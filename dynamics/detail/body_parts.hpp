@@ -10,6 +10,7 @@
 
 #include <carom/dynamics/detail/body_state.hpp>
 #include <carom/dynamics/detail/contact_set.hpp>
+#include <carom/dynamics/detail/room.hpp>
 
 #include <array>
 #include <cstdint>
@@ -37,6 +38,7 @@ public:
     void resize(std::size_t slots) { part_of_slot_.resize(slots, 0); }
     void note(std::uint32_t slot, const dvec3& at) noexcept;
     [[nodiscard]] std::size_t of(std::uint32_t slot) const noexcept { return part_of_slot_[slot]; }
+    [[nodiscard]] std::size_t memory() const noexcept { return held_by(part_of_slot_, weights_); }
 
 private:
     std::size_t count_ = 1;

@@ -6,6 +6,7 @@
 
 #include <carom/core/executor.hpp>
 #include <carom/dynamics/detail/contact_set.hpp>
+#include <carom/dynamics/detail/room.hpp>
 #include <carom/dynamics/detail/scratch_pool.hpp>
 
 #include <cstddef>
@@ -42,6 +43,8 @@ public:
     /// Gives all back to the pool: nothing is held.
     void clear() noexcept;
 
+    /// [bytes], without what is of the pool.
+    [[nodiscard]] std::size_t memory() const noexcept { return held_by(firsts_); }
     /// By rising key.
     [[nodiscard]] std::span<const CarriedPair> pairs() const noexcept { return pairs_; }
     /// In the order of the pair's manifolds.

@@ -1,5 +1,7 @@
 #include <carom/dynamics/detail/coloring.hpp>
 
+#include <carom/dynamics/detail/room.hpp>
+
 #include <array>
 #include <bit>
 
@@ -20,7 +22,7 @@ std::uint32_t bit_of(std::uint8_t color) { return color < kMaxColors ? std::uint
 
 void Coloring::color(std::span<const ContactRows> rows, std::int32_t movable) {
     used_.assign(static_cast<std::size_t>(movable), 0);
-    colors_.resize(rows.size());
+    resize_scratch(colors_, rows.size());
     unsigned shared_colors = 0;
     for (std::size_t i = 0; i < rows.size(); ++i) {
         if (rows[i].a >= movable || rows[i].b >= movable) continue;
@@ -47,7 +49,7 @@ void Coloring::color(std::span<const ContactRows> rows, std::int32_t movable) {
     starts_.assign(1, 0);
     for (std::uint32_t c = 0; c < kMaxColors && counts[c + 1] != 0; ++c) starts_.push_back(starts_.back() + counts[c + 1]);
     for (std::size_t c = 1; c < counts.size(); ++c) counts[c] += counts[c - 1];
-    order_.resize(counts[kLeftOut]);
+    resize_scratch(order_, counts[kLeftOut]);
     for (std::uint32_t i = 0; i < rows.size(); ++i) {
         if (colors_[i] != kLeftOut) order_[counts[colors_[i]]++] = i;
     }

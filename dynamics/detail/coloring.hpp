@@ -1,6 +1,8 @@
 // Graph colouring of contacts: contacts of one colour share no body that moves, so they are solved side by side.
 #pragma once
 
+#include <carom/dynamics/detail/room.hpp>
+
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -36,6 +38,7 @@ public:
     [[nodiscard]] std::uint32_t open_to(ContactRows rows) const noexcept;
     void take(ContactRows rows, std::uint32_t color) noexcept;
     void give_back(ContactRows rows, std::uint32_t color) noexcept;
+    [[nodiscard]] std::size_t memory() const noexcept { return held_by(used_, colors_, order_, starts_); }
 
 private:
     std::vector<std::uint32_t> used_;     // per row: colours taken

@@ -85,6 +85,7 @@ struct SolverBodies {
     explicit SolverBodies(ScratchPool& pool) noexcept : memory(pool) {}
     /// Anything is in them. @return where `more` bytes lie behind them, for what lives as long.
     [[nodiscard]] std::byte* resize(std::size_t count, std::size_t more) {
+        release();  // which spans are of, should there be no memory
         memory.resize(bytes_of<SolverBody>(count) + bytes_of<SolverBase>(count) + bytes_of<SolverMass>(count) + more);
         std::byte* next = memory.data();
         bodies = cut<SolverBody>(next, count), bases = cut<SolverBase>(next, count), masses = cut<SolverMass>(next, count);

@@ -8,6 +8,7 @@ namespace {
 /// Of each manifold its pair, and the order of those in use.
 void number_manifolds(ContactSet& contacts) {
     contacts.order.clear();
+    reserve_with_room(contacts.order, contacts.manifolds.size());
     contacts.patched = true;
     for (std::uint32_t p = 0; p < contacts.pairs.size(); ++p) {
         const ContactPair& pair = contacts.pairs[p];

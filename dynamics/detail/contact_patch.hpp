@@ -23,6 +23,7 @@ struct ContactChanges {
     std::vector<CarriedPoint> points;
     void clear() noexcept { removed.clear(), replaced.clear(), added.clear(), pairs.clear(); }
     void trim() { trim_scratch(removed), trim_scratch(replaced), trim_scratch(added), trim_scratch(pairs), trim_scratch(points); }
+    [[nodiscard]] std::size_t memory() const noexcept { return held_by(removed, replaced, added, pairs, points); }
 };
 
 /// Puts what was found of some pairs in place of what the set has of them; all others stay as they are and where they are. Impulses go from point

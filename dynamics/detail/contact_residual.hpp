@@ -6,6 +6,7 @@
 
 #include <carom/dynamics/detail/contact_set.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
+#include <carom/dynamics/detail/room.hpp>
 #include <carom/dynamics/step_report.hpp>
 
 #include <span>
@@ -27,6 +28,7 @@ public:
     /// @param jointed  by slot: 1 for bodies whose balance is left out, since joints hold them too; empty where there are none.
     [[nodiscard]] ContactResidual measure(const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies, const ResidualStep& step,
                                           std::span<const unsigned char> jointed);
+    [[nodiscard]] std::size_t memory() const noexcept { return held_by(before_, loads_); }
 
 private:
     struct Load {

@@ -74,7 +74,7 @@ void ContactSolver::note_places() {
         }
     }
     for (const std::uint32_t slot : shared_) ++contacts_of_row_[static_cast<std::size_t>(row_of_slot_[slot])];  // others hold it without any
-    grown_ = room_made_ = 0;
+    grown_ = 0;
     most_room_ = bundles_.size() / kMostGrown;
     for (const ContactRows& rows : contact_rows_) {
         for (const std::int32_t row : {rows.a, rows.b}) {
@@ -166,9 +166,11 @@ bool ContactSolver::resume(const ContactSet& contacts, const ContactChanges& cha
     }
     point_count_ = contacts.summary.points;
     begin_rows(proxies, bodies, executor);
+    turning_.finish(rows_);
     fill_changed_rows(contacts, changes, executor);
     if (grown_ > most_room_) return false;  // each may need room of its own
     moves_.clear();
+    reserve_with_room(moves_, changes.replaced.size() + changes.removed.size() + changes.added.size());
     places_of_.resize(contacts.manifolds.size(), kNowhere);
     for (const std::uint32_t m : changes.replaced) {
         if (flies(m)) continue;
@@ -281,16 +283,12 @@ void ContactSolver::fill_moves(const ContactSet& contacts, const ProxySet& proxi
     }
 }
 
-bool ContactSolver::is_roomy() const noexcept {
-    return dynamics::is_roomy(bundles_.capacity(), bundles_.size());  // of points, how many there are depends on the number of threads
-}
-
-void ContactSolver::trim() {
-    is_whole_ = false;
-    trim_scratch(bundles_);
-    trim_scratch(points_);
-    trim_scratch(contact_rows_), trim_scratch(kinds_), trim_scratch(lane_order_);
-    more_points_.clear();
+std::size_t ContactSolver::memory() const noexcept {
+    std::size_t sum = rules_.memory() + rolling_.memory() + slender_.memory() + turning_.memory() + round_.memory() + parts_.memory() + coloring_.memory();
+    sum += held_by(is_left_out_, is_slender_, slot_of_row_, row_of_slot_, shared_, color_parts_, contact_rows_, kinds_, places_, lane_order_, colors_, lanes_);
+    sum += held_by(bundles_, points_, more_points_, places_of_, free_, color_of_bundle_, contacts_of_row_, moves_, last_move_, phases_, tasks_);
+    for (const std::vector<Place>& places : free_) sum += held_by(places);
+    return sum + more_points_.size() * sizeof(MorePoints);
 }
 
 }  // namespace carom::dynamics

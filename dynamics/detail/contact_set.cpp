@@ -149,4 +149,6 @@ void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t 
     add_parts(contacts);
 }
 
+std::size_t ContactSet::memory() const noexcept { return held_by(pairs, manifolds, order, impulses, flying, firsts, first_counts, parts); }
+
 }  // namespace carom::dynamics

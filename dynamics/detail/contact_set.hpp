@@ -79,6 +79,7 @@ struct ContactSet {
     }
     /// Gives memory back where much more is held than needed (room.hpp).
     void trim();
+    [[nodiscard]] std::size_t memory() const noexcept;
 };
 
 class CarriedContacts;

@@ -91,6 +91,7 @@ void ContactSolver::prepare(const ContactSet& contacts, std::span<const unsigned
         for (const ContactBundle& bundle : some) deep += static_cast<std::size_t>(bundle.deep);
         if (deep > 0) std::atomic_ref(deep_count_).fetch_add(deep, std::memory_order_relaxed);
     });
+    turning_.finish(rows_);
     settings.resists ? rolling_.list({contacts, proxies, rows_, bundles_}, h) : rolling_.clear();
     is_whole_ = !settings.resists && coloring_.overflow_count() == 0 && std::ranges::find(held, 1) == held.end();
     places_known_ = false;
@@ -144,11 +145,12 @@ void ContactSolver::number_rows(const ContactSet& contacts, const BodyArrays& bo
 
 void ContactSolver::fill_rows(const ProxySet& proxies, const BodyArrays& bodies, Executor& executor) {
     const std::size_t count = slot_of_row_.size(), movable = static_cast<std::size_t>(rows_.movable), sides = proxies.by_slot.size();
-    std::byte* room = rows_.resize(count + 1, bytes_of<Side>(sides) + bytes_of<dquat>(movable));
-    sides_ = cut<Side>(room, sides);
+    std::byte* const room = rows_.resize(count + 1, std::max(bytes_of<Side>(sides), bytes_of<dquat>(movable)));
+    std::byte *first_side = room, *first_turn = room;  // the sides are of prepare(), and what turns is of the passes
+    sides_ = cut<Side>(first_side, sides);
     is_slender_.assign(movable, 1);
     for (const std::uint32_t slot : shared_) is_slender_[static_cast<std::size_t>(row_of_slot_[slot])] = 0;  // joints turn their bodies as the rows do
-    turning_.begin(bodies, slot_of_row_, cut<dquat>(room, movable), settings_.dt, settings_.substeps);
+    turning_.begin(bodies, slot_of_row_, cut<dquat>(first_turn, movable), settings_.dt, settings_.substeps);
     executor.parallel_for(count + 1, kBodyGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
             rows_.bodies[row] = {};
@@ -173,7 +175,6 @@ void ContactSolver::fill_rows(const ProxySet& proxies, const BodyArrays& bodies,
             set_kick(rows_.bases[row], bodies, slot_of_row_[row], turns || is_slender_[row] != 0, settings_);
         }
     });
-    turning_.finish(rows_);
 }
 
 void ContactSolver::fill_sides(const ProxySet& proxies, const BodyArrays& bodies, Executor& executor) {
@@ -201,8 +202,8 @@ ContactSolver::Side ContactSolver::side_of(std::uint32_t slot, const ProxySet& p
 
 void ContactSolver::fill_contact_rows(const ContactSet& contacts, Executor& executor) {
     const std::size_t count = contacts.manifolds.size();
-    resize_with_room(contact_rows_, count);
-    resize_with_room(kinds_, count);
+    resize_scratch(contact_rows_, count);
+    resize_scratch(kinds_, count);
     const auto unmoved = static_cast<std::int32_t>(slot_of_row_.size());
     executor.parallel_for(count, kManifoldGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t m = begin; m < end; ++m) {
@@ -274,7 +275,8 @@ void ContactSolver::sort_by_points() {
     const std::size_t parts = part_count_;
     const std::span<const std::uint32_t> order = coloring_.order();
     const std::span<const std::uint32_t> starts = coloring_.starts();
-    lane_order_.assign(order.begin(), order.end());
+    resize_scratch(lane_order_, order.size());
+    std::ranges::copy(order.subspan(starts.back()), lane_order_.begin() + starts.back());  // what found no colour
     std::vector<std::uint32_t>& place = places_;  // of the next one of a part with so many points
     color_parts_.clear();
     for (std::size_t c = 0; c + 1 < starts.size(); ++c) {
@@ -299,7 +301,7 @@ void ContactSolver::lay_out_bundles() {
         bundle_count += bundles;
     }
     first_overflow_bundle_ = bundle_count;
-    resize_with_room(bundles_, bundle_count + coloring_.overflow_count());
+    resize_scratch(bundles_, bundle_count + coloring_.overflow_count());
     lanes_.resize(bundles_.size());
     for (std::size_t c = 0; c + 1 < starts.size(); ++c) {
         for (std::uint32_t b = 0; b < colors_[c].count; ++b) {
@@ -321,7 +323,8 @@ void ContactSolver::deal_out_points() {
             most[b] = std::max(most[b], static_cast<std::uint32_t>(points_of(lane_order_[i])));
         sum += most[b];
     }
-    resize_with_room(points_, sum);
+    resize_scratch(points_, sum);
+    more_points_.resize(std::exchange(room_made_, 0));  // as many as the bundles before this had
     PointLanes* next = points_.data();
     for (std::size_t b = 0; b < bundles_.size(); ++b) next = (bundles_[b].points = next) + most[b];
 }

@@ -84,10 +84,10 @@ public:
     /// Writes the bodies' new states and the contacts' impulses back. There are no rows after that.
     void store(BodyArrays& bodies, ContactSet& contacts, Executor& executor);
 
-    /// Gives memory back where much more is held than the last step needed (room.hpp).
-    void trim();
-    /// Whether trim() would give something back. It forgets what is in the bundles: carry_gaps() and resume() have to wait for the next prepare().
-    [[nodiscard]] bool is_roomy() const noexcept;
+    /// After a step that was not finished: resume() has to wait for the next prepare().
+    void forget() noexcept { is_whole_ = false, rows_.release(); }
+    /// [bytes], without what is of the pool.
+    [[nodiscard]] std::size_t memory() const noexcept;
 
     /// @return whether any contact holds the body in `slot` in this step: it is the solver's, not the free integrator's.
     [[nodiscard]] bool holds(std::uint32_t slot) const noexcept { return slot < row_of_slot_.size() && row_of_slot_[slot] != kNoRow; }

@@ -77,6 +77,7 @@ public:
     void arrive(std::uint32_t slot, const BodyState& state) noexcept { departures_[departure_of_slot_[slot]].end = state.pose.position; }
     /// Gives memory back where much more is held than the last step needed (room.hpp).
     void trim();
+    [[nodiscard]] std::size_t memory() const noexcept;
 
     /// @return whether any body is to be followed. Cost: a few comparisons a body.
     [[nodiscard]] bool look(const ContinuousScene& scene);

@@ -1,5 +1,7 @@
 #include <carom/dynamics/detail/direct_islands.hpp>
 
+#include <carom/dynamics/detail/room.hpp>
+
 #include <algorithm>
 
 namespace carom::dynamics {
@@ -56,12 +58,19 @@ SagLaw law_of(const DirectStep& step) { return {step.gravity, step.dt, step.subs
 }  // namespace
 
 void DirectIslands::clear() noexcept {
+    stiff_.release();
     std::ranges::fill(held_, static_cast<unsigned char>(0));
     any_held_ = false;
     counts_ = {};
 }
 
 bool DirectIslands::choose(const DirectWorld& world, const DirectStep& step, const DirectChoice& choice) {
+    const bool any = list_tasks(world, step, choice);
+    stiff_.release();
+    return any;
+}
+
+bool DirectIslands::list_tasks(const DirectWorld& world, const DirectStep& step, const DirectChoice& choice) {
     const bool many = world.contacts.manifolds.size() > kManyManifolds && !any_held_ && counts_.waiting + counts_.fell_back == 0;
     std::swap(held_, held_before_);
     held_.assign(world.bodies.roles.size(), 0);
@@ -249,6 +258,14 @@ void DirectIslands::solve(const DirectWorld& world, const DirectStep& step, Exec
             leave_alone(memory, kLongestWait);
         }
     }
+}
+
+std::size_t DirectIslands::memory() const noexcept {
+    std::size_t sum = links_.memory() + stiff_.memory() + held_by(all_, held_, held_before_, local_of_slot_, memories_, tasks_, new_links_);
+    for (const std::unique_ptr<Memory>& m : memories_) {
+        sum += sizeof(Memory) + held_by(m->slots, m->links, m->loads, m->problem.bodies, m->problem.contacts) + m->newton.memory() + m->impulses.memory();
+    }
+    return sum;
 }
 
 }  // namespace carom::dynamics

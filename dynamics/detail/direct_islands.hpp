@@ -27,6 +27,9 @@ struct DirectChoice {
 
 class DirectIslands {
 public:
+    /// @param pool  for what choose() needs meanwhile.
+    explicit DirectIslands(ScratchPool& pool) noexcept : stiff_(pool) {}
+
     /// Finds the islands whose contacts would sag too far, or all of them with ContactMethod::Direct and ContactMethod::Impulses.
     /// @return whether there are any that solve() should try.
     bool choose(const DirectWorld& world, const DirectStep& step, const DirectChoice& choice);
@@ -41,6 +44,7 @@ public:
     /// The same for all slots; empty where none is.
     [[nodiscard]] std::span<const unsigned char> held() const noexcept { return any_held_ ? std::span<const unsigned char>{held_} : std::span<const unsigned char>{}; }
     [[nodiscard]] const DirectCounts& counts() const noexcept { return counts_; }
+    [[nodiscard]] std::size_t memory() const noexcept;
 
 private:
     /// What an island keeps from step to step, under its root.
@@ -66,6 +70,7 @@ private:
         Island island;
         Memory* memory = nullptr;
     };
+    [[nodiscard]] bool list_tasks(const DirectWorld& world, const DirectStep& step, const DirectChoice& choice);
     Memory& memory_of(std::uint32_t root);
     void consider(const Island& island, const DirectWorld& world, const DirectStep& step, const DirectChoice& choice);
     /// The island is put down for sequential impulses, unless it bounces.

@@ -1,6 +1,7 @@
 #include <carom/dynamics/detail/direct_newton.hpp>
 
 #include <carom/dynamics/detail/block_rows.hpp>
+#include <carom/dynamics/detail/room.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -253,6 +254,10 @@ DirectResult DirectNewton::solve(DirectProblem& problem, const DirectSettings& s
     }
     for (std::size_t i = 0; i < points_.size(); ++i) problem.contacts[i].impulse = points_[i].cone.impulse;
     return result;
+}
+
+std::size_t DirectNewton::memory() const noexcept {
+    return factor_.memory() + held_by(edges_, before_, edge_of_, factored_, gradient_, load_, step_, points_);
 }
 
 }  // namespace carom::dynamics

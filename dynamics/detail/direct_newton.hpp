@@ -56,6 +56,7 @@ public:
     /// From the velocities that the problem comes with to those that solve it. Where it does not converge, they and the impulses mean nothing.
     /// Cost: an iteration is linear in contacts and in blocks of the factor; a factorisation takes operations() products of blocks.
     DirectResult solve(DirectProblem& problem, const DirectSettings& settings);
+    [[nodiscard]] std::size_t memory() const noexcept;
 
 private:
     struct Motion {

@@ -5,6 +5,7 @@
 #pragma once
 
 #include <carom/collision/aabb.hpp>
+#include <carom/dynamics/detail/room.hpp>
 
 #include <cstddef>
 #include <vector>
@@ -38,6 +39,7 @@ public:
             if (overlaps(box, boxes_[k])) visit(k);
         }
     }
+    [[nodiscard]] std::size_t memory() const noexcept { return held_by(boxes_, groups_); }
 
 private:
     std::vector<Aabb> boxes_, groups_;

@@ -11,6 +11,7 @@
 #include <carom/dynamics/detail/blow.hpp>
 #include <carom/dynamics/detail/contact_set.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
+#include <carom/dynamics/detail/room.hpp>
 
 #include <array>
 #include <cstddef>
@@ -48,6 +49,7 @@ public:
 
     [[nodiscard]] std::size_t count() const noexcept { return count_; }  ///< points that bounced, in the last run
     [[nodiscard]] std::size_t left() const noexcept { return left_; }    ///< contacts whose impacts were too many, left to the solver
+    [[nodiscard]] std::size_t memory() const noexcept { return held_by(flyer_of_slot_, flyers_, bouncers_, touching_, events_, frontier_, active_, stack_); }
 
 private:
     static constexpr std::uint32_t kNone = ~std::uint32_t{0};

@@ -8,6 +8,7 @@
 
 #include <carom/dynamics/detail/contact_set.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
+#include <carom/dynamics/detail/room.hpp>
 #include <carom/dynamics/detail/union_find.hpp>
 
 #include <cstdint>
@@ -39,6 +40,7 @@ public:
     [[nodiscard]] std::span<const std::uint32_t> manifolds(const Island& i) const noexcept {
         return std::span{manifolds_}.subspan(i.first_manifold, i.manifold_count);
     }
+    [[nodiscard]] std::size_t memory() const noexcept { return sets_.memory() + held_by(island_of_, islands_, bodies_, manifolds_); }
 
 private:
     static constexpr std::uint32_t kNone = ~std::uint32_t{0};

@@ -4,6 +4,7 @@
 #include <carom/dynamics/detail/block_rows.hpp>
 #include <carom/dynamics/detail/integrator.hpp>
 #include <carom/dynamics/detail/joint_laws.hpp>
+#include <carom/dynamics/detail/room.hpp>
 
 #include <algorithm>
 #include <cmath>
@@ -318,6 +319,10 @@ double JointIsland::worst_gap() const noexcept {
         if (row.ball) worst = std::max(worst, glm::length(row.gap));
     }
     return worst;
+}
+
+std::size_t JointIsland::memory() const noexcept {
+    return factor_.memory() + held_by(bodies, rows, edges_, before_, step_, wanted_, ahead_, next_);
 }
 
 }  // namespace carom::dynamics

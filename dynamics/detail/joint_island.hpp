@@ -91,6 +91,7 @@ public:
     [[nodiscard]] double worst_gap() const noexcept;
     /// @return how many solves for positions came to no solution since the last call.
     [[nodiscard]] std::size_t take_given_up() noexcept { return std::exchange(given_up_, 0u); }
+    [[nodiscard]] std::size_t memory() const noexcept;
 
 private:
     [[nodiscard]] BodyState drifted(const JointBody& body) const;

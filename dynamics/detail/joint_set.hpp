@@ -5,6 +5,7 @@
 #pragma once
 
 #include <carom/core/slot_map.hpp>
+#include <carom/dynamics/detail/room.hpp>
 #include <carom/dynamics/joint.hpp>
 
 #include <cstdint>
@@ -48,6 +49,7 @@ public:
     /// The same as it was when `parted` was kept.
     [[nodiscard]] static bool parts(std::span<const std::uint64_t> parted, std::uint32_t slot_a, std::uint32_t slot_b) noexcept;
     [[nodiscard]] const std::vector<std::uint64_t>& parted() const noexcept { return parted_; }
+    [[nodiscard]] std::size_t memory() const noexcept { return records_.memory() + held_by(order_, parted_); }
 
 private:
     /// Counts a change, and the pair of bodies that a joint parts, where it does: it comes or goes.

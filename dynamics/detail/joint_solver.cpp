@@ -1,6 +1,7 @@
 #include <carom/dynamics/detail/joint_solver.hpp>
 
 #include <carom/dynamics/detail/integrator.hpp>
+#include <carom/dynamics/detail/room.hpp>
 
 #include <algorithm>
 #include <utility>
@@ -291,6 +292,12 @@ void JointSolver::clear() noexcept {
     version_ = 0;
     active_.clear();
     counts_ = {};
+}
+
+std::size_t JointSolver::memory() const noexcept {
+    std::size_t sum = sets_.memory() + held_by(active_, islands_, jointed_, alone_, local_, shared_);
+    for (const JointIsland& island : islands_) sum += island.memory();
+    return sum;
 }
 
 }  // namespace carom::dynamics

@@ -66,6 +66,7 @@ public:
     /// JointSet::version() of the joints it knows.
     [[nodiscard]] std::uint64_t version() const noexcept { return version_; }
     [[nodiscard]] const JointCounts& counts() const noexcept { return counts_; }
+    [[nodiscard]] std::size_t memory() const noexcept;
 
 private:
     void rebuild(const JointSet& joints, const BodyArrays& bodies, std::size_t budget);

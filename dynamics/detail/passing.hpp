@@ -14,6 +14,7 @@
 #include <carom/dynamics/detail/contact_patch.hpp>
 #include <carom/dynamics/detail/first_touch.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
+#include <carom/dynamics/detail/room.hpp>
 
 #include <cstdint>
 #include <span>
@@ -37,7 +38,9 @@ public:
     /// Of the last find(), the pairs that pass.
     [[nodiscard]] std::span<const std::uint32_t> pairs() const noexcept { return found_; }
 
+    void clear() noexcept { found_.clear(); }
     void trim();
+    [[nodiscard]] std::size_t memory() const noexcept { return held_by(found_); }
 
 private:
     [[nodiscard]] bool passes(const ContactPair& pair, const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies, const Motion& motion);

@@ -2,6 +2,7 @@
 
 #include <carom/collision/aabb.hpp>
 #include <carom/core/bundle.hpp>
+#include <carom/dynamics/detail/room.hpp>
 #include <carom/dynamics/detail/swept_boxes.hpp>
 
 #include <algorithm>
@@ -277,12 +278,23 @@ void note_refused(ProxySet& set) noexcept {
     for (const std::uint32_t slot : set.moved) set.anchors[slot].room = -1.0;
 }
 
+void note_cleared(ProxySet& set) noexcept {
+    std::ranges::fill(set.listed, static_cast<unsigned char>(0));
+    std::ranges::fill(set.stale, static_cast<unsigned char>(1));
+    set.changed = true;
+}
+
 void note_listed(ProxySet& set) noexcept {
     for (const std::uint32_t slot : set.removed) set.listed[slot] = 0;
     for (const std::uint32_t slot : set.moved) {
         set.listed[slot] = 1;
         set.stale[slot] = 0;
     }
+}
+
+std::size_t ProxySet::memory() const noexcept {
+    return held_by(by_slot, kinds, filters, boxes, poses, shapes, bodies, surfaces, owners, extents, motion, stale, listed, versions, boxlike, bounces, firmness) +
+           held_by(anchors, calm, drift, stay, way, rollers, planes, moved, removed);
 }
 
 }  // namespace carom::dynamics

@@ -125,6 +125,8 @@ struct ProxySet {
     std::vector<std::uint32_t> removed;   ///< slots that the broadphase has to let go
     dvec3 origin{0.0};                    ///< of the boxes
     bool changed = false;                 ///< proxies came or went since the last update
+
+    [[nodiscard]] std::size_t memory() const noexcept;
 };
 
 /// Puts a proxy at its shape's slot, in place of what is there. Amortised O(1), but for planes, which are kept sorted.
@@ -161,6 +163,8 @@ void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& 
 /// Notes that the broadphase took over `moved` and `removed`, or that it did not: then the next update lists them again.
 void note_listed(ProxySet& set) noexcept;
 void note_refused(ProxySet& set) noexcept;
+/// Notes that the broadphase was cleared: the next update lists all.
+void note_cleared(ProxySet& set) noexcept;
 
 /// @return how far a plane's surface may come towards a body about `point` in the step, by its own motion [m].
 [[nodiscard]] double plane_motion(const BodyState& plane, const dvec3& point, double reach, double dt) noexcept;

@@ -11,6 +11,7 @@
 #include <carom/dynamics/detail/contact_bundle.hpp>
 #include <carom/dynamics/detail/contact_set.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
+#include <carom/dynamics/detail/room.hpp>
 
 #include <cstdint>
 #include <span>
@@ -37,6 +38,7 @@ public:
     /// There are none, and none are remembered.
     void clear() noexcept;
     [[nodiscard]] bool is_empty() const noexcept { return rows_.empty(); }
+    [[nodiscard]] std::size_t memory() const noexcept { return held_by(rows_, before_, place_); }
 
 private:
     struct Row {

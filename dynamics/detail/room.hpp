@@ -9,25 +9,39 @@
 namespace carom::dynamics {
 
 /// Steps. What falls apart or is poured out has most contacts long before it lies still, and standard vectors double as they grow. A list whose length
-/// sways by less than a tenth is allocated once more, at most, however long it goes on.
+/// sways by less than a twentieth is allocated once more, at most, however long it goes on.
 inline constexpr std::size_t kTrimEvery = 64;
 
-/// An eighth more than is in use: what a trimmed list has room for.
-[[nodiscard]] constexpr std::size_t with_room(std::size_t size) noexcept { return size + size / 8; }
+/// A sixteenth more than is in use: what a trimmed list has room for.
+[[nodiscard]] constexpr std::size_t with_room(std::size_t size) noexcept { return size + size / 16; }
 
 /// Whether so much more is held than is in use that it is worth a new allocation.
-[[nodiscard]] constexpr bool is_roomy(std::size_t capacity, std::size_t size) noexcept { return capacity > size + size / 4 + 32; }
+[[nodiscard]] constexpr bool is_roomy(std::size_t capacity, std::size_t size) noexcept { return capacity > size + size / 8 + 32; }
 
-/// Where there is no room for so many, an eighth more than they need: standard vectors double.
+/// Where there is no room for so many, a sixteenth more than they need: standard vectors double.
+template <class T>
+void reserve_with_room(std::vector<T>& list, std::size_t size) {
+    if (list.capacity() < size) list.reserve(with_room(size));
+}
 template <class T>
 void resize_with_room(std::vector<T>& list, std::size_t size) {
-    if (list.capacity() < size) list.reserve(with_room(size));
+    reserve_with_room(list, size);
     list.resize(size);
 }
 template <class T>
 T& append_with_room(std::vector<T>& list) {
     resize_with_room(list, list.size() + 1);
     return list.back();
+}
+
+/// The same of a list that is written before it is read, which gives back what is much more than that at once.
+template <class T>
+void resize_scratch(std::vector<T>& list, std::size_t size) {
+    if (list.capacity() < size || is_roomy(list.capacity(), size)) {
+        std::vector<T>().swap(list);  // first, so that the two are not there at once
+        list.reserve(with_room(size));
+    }
+    list.resize(size);
 }
 
 /// Keeps what is in the list, which moves.
@@ -48,6 +62,12 @@ void trim_scratch(std::vector<T>& list) {
     std::vector<T>().swap(list);
     list.reserve(with_room(size));
     list.resize(size);
+}
+
+/// @return what the lists hold, in use or not [bytes].
+template <class... T>
+[[nodiscard]] constexpr std::size_t held_by(const std::vector<T>&... lists) noexcept {
+    return (std::size_t{0} + ... + (lists.capacity() * sizeof(T)));
 }
 
 }  // namespace carom::dynamics

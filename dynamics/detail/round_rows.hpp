@@ -10,6 +10,7 @@
 
 #include <carom/dynamics/detail/contact_bundle.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
+#include <carom/dynamics/detail/room.hpp>
 
 #include <cstdint>
 #include <span>
@@ -29,6 +30,7 @@ public:
     /// Turns without what is about the axis.
     void hide(SolverBodies& rows) noexcept;
     [[nodiscard]] bool any() const noexcept { return !rollers_.empty(); }
+    [[nodiscard]] std::size_t memory() const noexcept { return held_by(rollers_); }
 
 private:
     struct Roller {

@@ -6,6 +6,7 @@
 
 #include <carom/dynamics/detail/contact_bundle.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
+#include <carom/dynamics/detail/room.hpp>
 
 #include <cstdint>
 #include <span>
@@ -25,6 +26,7 @@ public:
     void lock(SolverBodies& rows) const noexcept;
     [[nodiscard]] bool damp_any() const noexcept { return !damped_.empty(); }
     [[nodiscard]] bool lock_any() const noexcept { return !locked_.empty(); }
+    [[nodiscard]] std::size_t memory() const noexcept { return held_by(damped_, locked_); }
 
 private:
     struct Damped {

@@ -8,6 +8,7 @@
 #pragma once
 
 #include <carom/dynamics/detail/direct_problem.hpp>
+#include <carom/dynamics/detail/room.hpp>
 
 #include <vector>
 
@@ -24,6 +25,7 @@ public:
     /// passes come; friction_guess neither.
     /// @param passes  >= 1. Cost: linear in contacts, some 100 ns each a pass.
     void solve(DirectProblem& problem, int passes);
+    [[nodiscard]] std::size_t memory() const noexcept { return held_by(rows_); }
 
 private:
     struct Row {

@@ -5,6 +5,7 @@
 
 #include <carom/core/function_ref.hpp>
 #include <carom/dynamics/detail/contact_set.hpp>
+#include <carom/dynamics/detail/room.hpp>
 
 namespace carom::dynamics {
 
@@ -13,6 +14,7 @@ public:
     /// Takes the pairs of which `goes` is true out of `from` and puts them into `to`; both stay sorted by key. Cost: linear in the two sets; allocates
     /// nothing once warm.
     void move(ContactSet& from, ContactSet& to, FunctionRef<bool(const ContactPair&)> goes);
+    [[nodiscard]] std::size_t memory() const noexcept { return stay_.memory() + joined_.memory(); }
 
 private:
     ContactSet stay_, joined_;

@@ -1,6 +1,7 @@
 #include <carom/dynamics/detail/sleepers.hpp>
 
 #include <carom/collision/aabb.hpp>
+#include <carom/dynamics/detail/room.hpp>
 
 #include <algorithm>
 #include <limits>
@@ -50,6 +51,13 @@ void Sleepers::wake(std::uint32_t slot, BodyArrays& bodies) noexcept {
         ++woken_;
     } while (next != slot);
     roles_changed_ = contacts_wait_ = true;
+}
+
+void Sleepers::wake_all(BodyArrays& bodies) noexcept {
+    for (std::uint32_t slot = 0; slot < bodies.roles.size(); ++slot) {
+        if (bodies.roles[slot] == Role::Asleep) wake(slot, bodies);
+    }
+    asleep_.clear();
 }
 
 void Sleepers::wake_touching(std::uint32_t slot, BodyArrays& bodies) noexcept {
@@ -223,5 +231,9 @@ void Sleepers::scale_impulses(float scale) noexcept {
 
 std::size_t Sleepers::take_fallen() noexcept { return std::exchange(fallen_, 0u); }
 std::size_t Sleepers::take_woken() noexcept { return std::exchange(woken_, 0u); }
+
+std::size_t Sleepers::memory() const noexcept {
+    return links_.memory() + asleep_.memory() + mover_.memory() + held_by(still_, sizes_, may_sleep_, ring_, last_, touched_, findings_, placed_);
+}
 
 }  // namespace carom::dynamics

@@ -58,6 +58,8 @@ public:
 
     /// Wakes the island of a body that sleeps; for one that is awake the time begins anew. Boxes follow with sync(), contacts with give_back().
     void wake(std::uint32_t slot, BodyArrays& bodies) noexcept;
+    /// Wakes all, without the contacts that they had.
+    void wake_all(BodyArrays& bodies) noexcept;
     /// Wakes what sleeps in touch with a body. Cost: O(contacts of what sleeps).
     void wake_touching(std::uint32_t slot, BodyArrays& bodies) noexcept;
     /// Before a step: wakes what lies on bodies without mass that move, and what is near to such as were placed.
@@ -88,6 +90,7 @@ public:
     [[nodiscard]] const ContactSet& contacts() const noexcept { return asleep_; }
     /// Adds what the future of a body depends on.
     void add_to(StateHash& hash, std::uint32_t slot) const noexcept;
+    [[nodiscard]] std::size_t memory() const noexcept;
 
 private:
     /// How still a body has been, by halves of the time that is asked for.

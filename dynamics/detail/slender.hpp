@@ -8,6 +8,7 @@
 
 #include <carom/dynamics/detail/contact_bundle.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
+#include <carom/dynamics/detail/room.hpp>
 
 #include <cstdint>
 #include <span>
@@ -55,6 +56,7 @@ public:
     /// After the others are stored, over what was stored.
     void store(BodyArrays& bodies) const noexcept;
     [[nodiscard]] bool any() const noexcept { return !rods_.empty(); }
+    [[nodiscard]] std::size_t memory() const noexcept { return held_by(rods_); }
 
 private:
     struct Rod {

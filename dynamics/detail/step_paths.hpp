@@ -6,6 +6,7 @@
 #include <carom/dynamics/detail/body_sizes.hpp>
 #include <carom/dynamics/detail/body_state.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
+#include <carom/dynamics/detail/room.hpp>
 #include <carom/dynamics/explain_sweep.hpp>
 
 #include <cstdint>
@@ -61,6 +62,7 @@ struct StepPaths {
     std::vector<DeepPair> deep;
     std::vector<std::uint64_t> parted;  // JointSet::parted()
 
+    [[nodiscard]] std::size_t memory() const noexcept { return held_by(bodies, ids, sizes, legs, impacts, deep, parted); }
     /// @return whether the step had this body, and it is not quarantined.
     [[nodiscard]] bool has(BodyId body) const noexcept {
         return is_there && body.slot < bodies.size() && ids[body.slot] == body && bodies[body.slot].role != Role::Absent;

@@ -27,6 +27,11 @@ Bearing bearing_of(const Manifold& manifold, const ContactPair& pair, const dvec
     return along < 0.0 ? Bearing{true, pair.body_b.slot, pair.body_a.slot} : Bearing{true, pair.body_a.slot, pair.body_b.slot};
 }
 
+std::size_t room_for_weights(std::size_t slots, std::size_t manifolds) {
+    return bytes_of<double>(slots) + bytes_of<std::uint64_t>(slots) + bytes_of<std::uint32_t>(slots) + bytes_of<std::uint32_t>(slots + 2) +
+           bytes_of<std::uint32_t>(manifolds);
+}
+
 }  // namespace
 
 double SagLaw::excess(const ContactPair& pair, const ProxySet& proxies, const BodyArrays& bodies, double load) const noexcept {
@@ -40,9 +45,12 @@ double SagLaw::excess(const ContactPair& pair, const ProxySet& proxies, const Bo
 bool StiffContacts::look(const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies, const SagLaw& law,
                          std::span<const unsigned char> keep) {
     const std::size_t count = contacts.manifolds.size();
-    marks_.resize(count);
-    loads_.assign(count, 0.0);
-    if (count > manifolds_before_) add_up_weights(contacts, bodies, law);
+    const bool weighs = count > manifolds_before_;
+    memory_.resize(bytes_of<double>(count) + bytes_of<unsigned char>(count) + (weighs ? room_for_weights(bodies.roles.size(), count) : 0));
+    std::byte* next = memory_.data();
+    loads_ = cut<double>(next, count), marks_ = cut<unsigned char>(next, count);
+    std::ranges::fill(loads_, 0.0);
+    if (weighs) add_up_weights(contacts, bodies, law, next);
     manifolds_before_ = count;
     unsigned char any = 0;
     for (std::size_t m = 0; m < count; ++m) {
@@ -60,7 +68,7 @@ bool StiffContacts::look(const ContactSet& contacts, const ProxySet& proxies, co
     return any != 0;
 }
 
-void StiffContacts::add_up_weights(const ContactSet& contacts, const BodyArrays& bodies, const SagLaw& law) {
+void StiffContacts::add_up_weights(const ContactSet& contacts, const BodyArrays& bodies, const SagLaw& law, std::byte* next) {
     const double pull = glm::length(law.gravity);
     const dvec3 down = law.gravity / pull;
     const double reach = pull * law.dt * law.dt;
@@ -70,30 +78,33 @@ void StiffContacts::add_up_weights(const ContactSet& contacts, const BodyArrays&
     };
     const auto count = static_cast<std::uint32_t>(contacts.manifolds.size());
     const std::size_t slots = bodies.roles.size();
-    first_below_.assign(slots + 2, 0);
+    const std::span borne = cut<double>(next, slots);  // by slot [N]
+    std::span keys = cut<std::uint64_t>(next, slots);
+    std::span falling = cut<std::uint32_t>(next, slots);                                                        // slots of dynamic bodies, the highest first
+    const std::span first_below = cut<std::uint32_t>(next, slots + 2), below = cut<std::uint32_t>(next, count);  // by slot, and the end: manifolds under a body
+    std::ranges::fill(first_below, 0u);
+    std::ranges::fill(borne, 0.0);
     for (std::uint32_t m = 0; m < count; ++m) {
-        if (const Bearing b = bearing(m); b.bears) ++first_below_[b.above + 2];
+        if (const Bearing b = bearing(m); b.bears) ++first_below[b.above + 2];
     }
-    for (std::size_t slot = 2; slot < first_below_.size(); ++slot) first_below_[slot] += first_below_[slot - 1];
-    below_.resize(first_below_.back());
+    for (std::size_t slot = 2; slot < first_below.size(); ++slot) first_below[slot] += first_below[slot - 1];
     for (std::uint32_t m = 0; m < count; ++m) {
-        if (const Bearing b = bearing(m); b.bears) below_[first_below_[b.above + 1]++] = m;
+        if (const Bearing b = bearing(m); b.bears) below[first_below[b.above + 1]++] = m;
     }
-    keys_.clear();
-    falling_.clear();
-    borne_.assign(slots, 0.0);
+    std::size_t resting = 0;
     for (std::uint32_t slot = 0; slot < slots; ++slot) {
-        if (bodies.roles[slot] != Role::Dynamic || first_below_[slot] == first_below_[slot + 1]) continue;
-        keys_.push_back(ordered_key(static_cast<float>(glm::dot(down, bodies.states[slot].pose.position))));
-        falling_.push_back(slot);
+        if (bodies.roles[slot] != Role::Dynamic || first_below[slot] == first_below[slot + 1]) continue;
+        keys[resting] = ordered_key(static_cast<float>(glm::dot(down, bodies.states[slot].pose.position)));
+        falling[resting++] = slot;
     }
-    radix_sort(keys_, falling_, scratch_);
-    for (const std::uint32_t slot : falling_) {
-        const std::uint32_t begin = first_below_[slot], end = first_below_[slot + 1];
-        const double part = (borne_[slot] + pull * bodies.masses[slot].mass) / (end - begin);
+    keys = keys.first(resting), falling = falling.first(resting);
+    radix_sort(keys, falling, scratch_);
+    for (const std::uint32_t slot : falling) {
+        const std::uint32_t begin = first_below[slot], end = first_below[slot + 1];
+        const double part = (borne[slot] + pull * bodies.masses[slot].mass) / (end - begin);
         for (std::uint32_t i = begin; i < end; ++i) {
-            loads_[below_[i]] = part;
-            borne_[bearing(below_[i]).under] += part;
+            loads_[below[i]] = part;
+            borne[bearing(below[i]).under] += part;
         }
     }
 }

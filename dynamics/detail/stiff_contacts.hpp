@@ -6,11 +6,12 @@
 #include <carom/core/radix_sort.hpp>
 #include <carom/dynamics/detail/contact_set.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
+#include <carom/dynamics/detail/room.hpp>
+#include <carom/dynamics/detail/scratch_pool.hpp>
 
 #include <cstddef>
 #include <cstdint>
 #include <span>
-#include <vector>
 
 namespace carom::dynamics {
 
@@ -34,6 +35,9 @@ struct SagLaw {
 /// is found before it has pressed on it for a single step.
 class StiffContacts {
 public:
+    /// @param pool  for what is needed from look() to release().
+    explicit StiffContacts(ScratchPool& pool) noexcept : memory_(pool) {}
+
     /// A manifold of a body with keep[slot] != 0 is stiff from half the excess on, so that islands do not go to and fro.
     /// @return whether any is. Cost: some 3 ns a manifold; where contacts came, a sort of the bodies besides.
     bool look(const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies, const SagLaw& law, std::span<const unsigned char> keep);
@@ -41,18 +45,17 @@ public:
     [[nodiscard]] std::span<const unsigned char> marks() const noexcept { return marks_; }
     /// [N] a manifold.
     [[nodiscard]] std::span<const double> loads() const noexcept { return loads_; }
+    /// Gives marks and loads back to the pool.
+    void release() noexcept { loads_ = {}, marks_ = {}, memory_.release(); }
+    [[nodiscard]] std::size_t memory() const noexcept { return held_by(scratch_.keys, scratch_.payload); }
 
 private:
-    void add_up_weights(const ContactSet& contacts, const BodyArrays& bodies, const SagLaw& law);
+    void add_up_weights(const ContactSet& contacts, const BodyArrays& bodies, const SagLaw& law, std::byte* room);
 
-    std::vector<unsigned char> marks_;
-    std::vector<double> loads_;
+    ScratchList<std::byte> memory_;
+    std::span<double> loads_;           // by manifold, as are these
+    std::span<unsigned char> marks_;
     std::size_t manifolds_before_ = 0;
-    std::vector<std::uint32_t> first_below_;         // by slot, and the end: of the manifolds under a body
-    std::vector<std::uint32_t> below_;               // manifolds
-    std::vector<double> borne_;                      // by slot [N]
-    std::vector<std::uint64_t> keys_;
-    std::vector<std::uint32_t> falling_;             // slots of dynamic bodies, the highest first
     RadixScratch scratch_;
 };
 

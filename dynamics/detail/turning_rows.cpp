@@ -64,7 +64,6 @@ bool TurningRows::watch(std::size_t row, SolverMass& mass) {
     const vec3 spin{bodies_->states[slot].spin};
     if (glm::dot(spin, spin) <= mass.others[3]) return false;
     waited_[row] = 0;
-    orientations_[row] = bodies_->states[slot].pose.orientation;
     return true;
 }
 
@@ -74,7 +73,9 @@ void TurningRows::finish(const SolverBodies& rows) {
     for (std::size_t row = 0; row < movable; ++row) {
         Block& block = blocks_[row / kBlock];
         block.least_limit = std::min(block.least_limit, rows.masses[row].others[3]);
-        if (waited_[row] != kSlow) block.any = 1;
+        if (waited_[row] == kSlow) continue;
+        block.any = 1;
+        orientations_[row] = bodies_->states[slot_of_row_[row]].pose.orientation;
     }
 }
 

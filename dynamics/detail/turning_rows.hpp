@@ -10,6 +10,7 @@
 
 #include <carom/dynamics/detail/contact_bundle.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
+#include <carom/dynamics/detail/room.hpp>
 
 #include <cstdint>
 #include <span>
@@ -27,13 +28,13 @@ public:
     static constexpr double kMostChange = 0.1;
 
     /// Before the rows are filled.
-    /// @param room  (movable,) until store()
+    /// @param room  (movable,) from finish() to store()
     void begin(const BodyArrays& bodies, std::span<const std::uint32_t> slot_of_row, std::span<dquat> room, double dt, int substeps);
     /// Puts the limit of a row's spin beside its inertia. @return whether the body is above it from the start: its kick has no gyroscopic change then.
     bool watch(std::size_t row, SolverMass& mass);
     /// Of a row that is none of these.
     static void ignore(SolverMass& mass) noexcept;
-    /// When the rows are filled.
+    /// When the rows are filled, before the first pass.
     void finish(const SolverBodies& rows);
 
     /// Advances [begin, end) and turns those above their limit, and from then on to the end of the step as often as what they turn by between changes their
@@ -47,6 +48,7 @@ public:
     [[nodiscard]] bool renewed_any(int substep) const noexcept { return last_renewed_ == substep; }
     /// By row, and one for what never moves: 1 for those that the last advance() gave another inertia.
     [[nodiscard]] std::span<const unsigned char> renewed() const noexcept { return renewed_; }
+    [[nodiscard]] std::size_t memory() const noexcept { return held_by(renewed_, waited_, blocks_); }
 
 private:
     struct Block {

@@ -6,6 +6,8 @@
 //   if (sets.root(7) == 3) ...   // the lowest slot of a set
 #pragma once
 
+#include <carom/dynamics/detail/room.hpp>
+
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -36,6 +38,7 @@ public:
         const std::uint32_t a = root(one), b = root(other);
         parent_[std::max(a, b)] = std::min(a, b);
     }
+    [[nodiscard]] std::size_t memory() const noexcept { return held_by(parent_); }
 
 private:
     std::vector<std::uint32_t> parent_;

@@ -113,6 +113,8 @@ struct World::Impl {
     /// Of a step: the executor's threads together, or one where there is too little to do.
     [[nodiscard]] Executor& threads() noexcept { return team.is_running() ? static_cast<Executor&>(team) : serial; }
     [[nodiscard]] StepReport take_step(const World& world, double dt);
+    /// After a step that something thrown has ended: forgets what it may have left half done, and all that steps remember beside the bodies.
+    void give_up_step() noexcept;
 
     [[nodiscard]] dynamics::SolverSettings solver_settings(double dt) const noexcept {
         return {def.gravity, dt, def.substeps, contact_rate(dt), def.contact_damping, def.max_push, census.resisting_shapes > 0};
@@ -235,7 +237,7 @@ struct World::Impl {
     bool carries = false;                     // when it began, the candidates of the step before had names
     dynamics::Passing passing;
     dynamics::Impacts impacts;
-    dynamics::DirectIslands direct;
+    dynamics::DirectIslands direct{scratch};
     dynamics::ResidualMeter residual;  // empty unless WorldDef::report_residual
     dynamics::ContactSolver solver{scratch};
     std::vector<std::uint32_t> free_bodies;  // slots, of the step: those that no contact and no joint holds, and the kinematic ones

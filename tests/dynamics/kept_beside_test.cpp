@@ -187,14 +187,27 @@ TEST(KeptBeside, WhatComesToRestAndIsThrownUpAgain) {
         EXPECT_NEAR(table.world.pose(ball).position.y, 0.5, 1e-3) << round;
         EXPECT_LT(glm::length(table.world.linear_velocity(ball)), 1e-3) << round;
         EXPECT_GT(table.world.step(kDt).reused, 25u);
-        table.world.set_linear_velocity(ball, {0, 4, 0});
-        run(table, 4);
-        const double y = table.world.center_of_mass(ball).y, v = table.world.linear_velocity(ball).y;
-        for (int i = 1; i <= 30; ++i) {
+        const double y = table.world.center_of_mass(ball).y, v = 4.0;
+        table.world.set_linear_velocity(ball, {0, v, 0});
+        for (int i = 1; i <= 34; ++i) {  // from the first step on, though its contact lay in a lane
             run(table, 1);
-            EXPECT_NEAR(table.world.center_of_mass(ball).y, y + v * i * kDt - 0.5 * 9.81 * i * kDt * i * kDt, 1e-13);
+            EXPECT_NEAR(table.world.center_of_mass(ball).y, y + v * i * kDt - 0.5 * 9.81 * i * kDt * i * kDt, 1e-13) << i;
         }
     }
+}
+
+// What bounces is put where its blows left it when the solver is done: what it rests on is not as the solver had it, though it has moved by next to nothing.
+TEST(KeptBeside, WhatABounceMovesIsLookedAt) {
+    Table table({.contact_method = ContactMethod::Soft});
+    for (int i = 0; i < 20; ++i) table.add({.position = {0, 0.5, 3.0 * i}}, Box{{0.5f, 0.5f, 0.5f}}, {.density = 1e6});
+    table.run(120);
+    for (int i = 0; i < 3; ++i) table.add({.position = {0.2, 2.0, 3.0 * i}}, Sphere{0.1f}, {.restitution = 0.8f});
+    bool struck = false;
+    for (int i = 0; i < 60 && !struck; ++i) struck = table.world.step(kDt).impacts == 3;
+    ASSERT_TRUE(struck);
+    const StepReport report = table.world.step(kDt);
+    EXPECT_GE(report.pairs - report.reused, 3u) << "each box and the ground: the balls have left";
+    EXPECT_GE(report.reused, 17u);
 }
 
 Table with_sleepers(double reuse) {

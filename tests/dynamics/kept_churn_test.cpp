@@ -163,6 +163,32 @@ TEST(KeptChurn, AllOfItHasTheSameBitsOnAllThreadsAndWidths) {
     }
 }
 
+// Two boxes lose a wall on one side as another comes to them on the other: contacts end and begin in one step. So many boxes lie there that all lanes of the colour are
+// taken: the new ones get those that the old ones had.
+TEST(KeptChurn, ALaneThatIsFreedAndTakenAgainHasTheNewContact) {
+    Table table({.contact_method = ContactMethod::Soft});
+    std::vector<BodyId> boxes, walls;
+    const auto at = [](int i) { return dvec3{4.0 * (i % 20), 0.5, 4.0 * (i / 20)}; };
+    for (int i = 0; i < 398; ++i) boxes.push_back(table.add({.position = at(i)}, Box{{0.5f, 0.5f, 0.5f}}));
+    for (int i = 0; i < 18; ++i) {
+        const dvec3 beside = at(i % 16) + dvec3{i < 16 ? 0.6 : -0.62, 0.1, 0};
+        walls.push_back(table.add({.type = BodyType::Kinematic, .position = beside}, Box{{0.1f, 0.5f, 0.4f}}));
+        if (i >= 16) table.add({.position = beside + dvec3{0, 0.55, 0}}, Box{{0.05f, 0.05f, 0.05f}});  // so that the solver has the wall already
+    }
+    const auto move = [&](std::size_t first, double speed) {
+        for (const std::size_t i : {first, first + 1}) table.world.set_linear_velocity(walls[i], {speed, 0, 0});
+    };
+    table.run(100);
+    ASSERT_EQ(table.world.contact_count(), 398u + 16u + 2u);
+    move(0, 0.02 / kDt);
+    table.run(1);
+    move(0, 0.0), move(16, 0.04 / kDt);
+    const StepReport report = table.world.step(kDt);
+    EXPECT_GT(report.reused, 380u);
+    EXPECT_EQ(report.manifolds, 398u + 16u + 2u);
+    for (const std::size_t i : {0u, 1u}) EXPECT_GT(table.world.linear_velocity(boxes[i]).x, 1.0) << i;
+}
+
 // Everything that touched goes in one step: no contact is left, and none is counted.
 TEST(KeptChurn, NoContactIsLeftOfNothing) {
     Table table;

@@ -138,6 +138,34 @@ TEST(Passing, WhatPassedIsLookedAtAgainWhereContactsAreKept) {
     }
 }
 
+// It has pushed in the step before: nobody does in this one.
+TEST(Passing, WhatPassesHasNoImpulse) {
+    World world({.gravity = {0, 0, 0}});
+    const auto add = [&](const BodyDef& def) {
+        const BodyId id = world.create_body(def);
+        world.add_shape(id, Box{{0.5f, 0.5f, 0.5f}});
+        return id;
+    };
+    add({.type = BodyType::Static});
+    const dvec3 start{-1.0001, 1.0001, 0};
+    const BodyId b = add({.position = start, .linear_velocity = {0.02, -0.02, 0}});
+    const auto impulse = [&] {
+        const ContactView view = world.contact(0);
+        float sum = 0.0f;
+        for (std::size_t k = 0; k < view.manifold->count; ++k) sum += view.normal_impulse[k];
+        return sum;
+    };
+    ASSERT_EQ(world.step(kDt).passing, 0u);
+    ASSERT_EQ(world.contact_count(), 1u);
+    ASSERT_GT(impulse(), 0.0f);
+    world.set_pose(b, {start, kIdentityRotation});
+    world.set_linear_velocity(b, {0.0145, 0, 0});
+    world.set_angular_velocity(b, {0, 0, 0});
+    ASSERT_EQ(world.step(kDt).passing, 1u);
+    ASSERT_EQ(world.contact_count(), 1u);
+    EXPECT_EQ(impulse(), 0.0f);
+}
+
 // Pairs are numbered anew when some fall asleep, in the same step.
 TEST(Passing, WhatPassesWhileOthersFallAsleepIsWhoIsLookedAtAgain) {
     Table table({.sleep = {.enabled = true, .time = 0.5}});

@@ -7,7 +7,8 @@
 // Include it in one source of a program: it replaces the global operators.
 #pragma once
 
-#include <atomic>
+#include <support/allocations.hpp>
+
 #include <cstddef>
 #include <cstdlib>
 #include <new>
@@ -15,14 +16,8 @@
 #include <malloc.h>
 
 namespace carom::test {
-inline std::atomic<long> g_allocations{0};
-inline std::atomic<long> g_bytes{0};
-inline long allocations() { return g_allocations.load(); }
-/// As the allocator hands them out: what was asked for, rounded up to its blocks.
-inline long bytes_held() { return g_bytes.load(); }
-
+inline bool fails() { return ++g_allocations == g_fails_at; }
 inline void* counted(void* memory) {
-    ++g_allocations;
     g_bytes += static_cast<long>(malloc_usable_size(memory));
     return memory;
 }
@@ -34,15 +29,17 @@ inline void release(void* memory) {
 
 // Not inlined: GCC 12 under sanitizers otherwise takes malloc() and delete, or new and free(), for pairs that do not match.
 [[gnu::noinline]] void* operator new(std::size_t size) {
+    if (carom::test::fails()) throw std::bad_alloc{};
     if (void* memory = std::malloc(size > 0 ? size : 1)) return carom::test::counted(memory);
     throw std::bad_alloc{};
 }
 // std::stable_sort asks for its buffer this way.
 [[gnu::noinline]] void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
-    return carom::test::counted(std::malloc(size > 0 ? size : 1));
+    return carom::test::fails() ? nullptr : carom::test::counted(std::malloc(size > 0 ? size : 1));
 }
 [[gnu::noinline]] void* operator new(std::size_t size, std::align_val_t alignment) {
     const auto unit = static_cast<std::size_t>(alignment);
+    if (carom::test::fails()) throw std::bad_alloc{};
     if (void* memory = std::aligned_alloc(unit, (size + unit - 1) / unit * unit)) return carom::test::counted(memory);
     throw std::bad_alloc{};
 }

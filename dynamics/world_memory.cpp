@@ -1,0 +1,37 @@
+#include <carom/dynamics/world_memory.hpp>
+
+#include <carom/dynamics/detail/room.hpp>
+#include <carom/dynamics/detail/world_impl.hpp>
+
+namespace carom {
+namespace {
+
+/// Of a name that does not lie in the string itself.
+std::size_t held_by_name(const std::string& name) noexcept { return name.capacity() > std::string{}.capacity() ? name.capacity() + 1 : 0; }
+
+}  // namespace
+
+WorldMemory World::memory() const noexcept {
+    using dynamics::held_by;
+    const Impl& w = *impl_;
+    WorldMemory sum;
+    sum.bodies = sizeof(Impl) + w.bodies.memory() +
+                 held_by(w.body_order, w.arrays.states, w.arrays.masses, w.arrays.roles, w.arrays.traits, w.last_valid);
+    for (const BodyId body : w.body_order) {
+        const dynamics::BodyRecord& record = *w.bodies.find(body);
+        sum.bodies += held_by(record.shapes) + held_by_name(record.name);
+    }
+    sum.shapes = w.shapes.memory() + w.proxies.memory();
+    sum.joints = w.joints.memory() + w.joint_solver.memory();
+    sum.broadphase = w.broadphase.memory();
+    sum.contacts = w.contacts.memory() + w.contact_changes.memory() + w.previous.memory() + w.passing.memory() +
+                   held_by(w.candidates, w.candidate_parts, w.names.now, w.names.before, w.last_manifolds, w.displaced);
+    for (const dynamics::CandidatePart& part : w.candidate_parts) sum.contacts += held_by(part.pairs);
+    sum.solver = w.solver.memory() + w.direct.memory();
+    sum.scratch = w.scratch.memory();
+    sum.other = w.impacts.memory() + w.residual.memory() + w.continuous.memory() + w.paths.memory() + w.sleepers.memory() +
+                held_by(w.free_bodies, w.sleep_links);
+    return sum;
+}
+
+}  // namespace carom
