@@ -150,6 +150,11 @@ struct World::Impl::SweepJudge {
         return out;
     }
 
+    /// Whether something kinematic went on through what could not give way.
+    [[nodiscard]] bool is_crushed(std::uint32_t proxy, std::uint32_t by) const {
+        return last.paths.bodies[w.proxies.bodies[proxy]].follow.stopped == StopCause::Crushed && last.paths.bodies[w.proxies.bodies[by]].role == Role::Kinematic;
+    }
+
     void add_passage(ShapeSweep& out, const SweptPair& pair, PairSweep& sweep, double t, double touched) {
         Passage passage{.step = last.step,
                         .t = t,
@@ -161,6 +166,7 @@ struct World::Impl::SweepJudge {
         const bool left_to_contacts =
             passage.cause == SweepReason::Watched || passage.cause == SweepReason::Slow || passage.cause == SweepReason::Company;
         if (left_to_contacts && had_contacts(last, pair)) passage.cause = SweepReason::Pressed;
+        if (is_crushed(pair.a, pair.b) || is_crushed(pair.b, pair.a)) passage.cause = SweepReason::Crushed;
         const bool a_moves = why.a.motion >= why.b.motion;
         passage.remedy = dynamics::remedy_of(passage.cause, a_moves ? "A" : "B");
         passage.sentence = dynamics::passage_text(passage, a_moves ? "A" : "B", a_moves ? "B" : "A");

@@ -46,8 +46,9 @@ enum class StopCause : unsigned char {
     Budget,   ///< the step came to the most impacts, times of impact or pieces of paths that it looks at
     Partner,  ///< it met what had stopped
     Depth,    ///< it was in the middle of what it touched, and would have come deeper
+    Crushed,  ///< after one of these it was carried along by something kinematic, against what does not give way
 };
-/// @return "none", "impacts", "budget", "partner", "depth".
+/// @return "none", "impacts", "budget", "partner", "depth", "crushed".
 [[nodiscard]] const char* to_string(StopCause cause) noexcept;
 
 struct FollowFinding {
@@ -79,9 +80,10 @@ enum class SweepReason : unsigned char {
     Company,   ///< they came little way against each other: contacts are to hold them
     TooDeep,   ///< they were so deep in each other when the step began that contacts alone hold them
     Pressed,   ///< of a passage: they had contacts, which did not hold them
+    Crushed,   ///< of a passage: one is kinematic, and the other was between it and what does not give way
 };
 /// @return "watched", "same body", "no step", "no shapes", "out of step", "neither dynamic", "filter", "joined", "back face", "off", "never",
-/// "still", "slow", "company", "too deep", "pressed".
+/// "still", "slow", "company", "too deep", "pressed", "crushed".
 [[nodiscard]] const char* to_string(SweepReason reason) noexcept;
 
 /// A blow, or a stop, of the step's continuous stage.

@@ -77,6 +77,7 @@ PathPiece chord(const Pose& from, const Pose& to, const dvec3& turning) noexcept
 void BodyPath::fly(const Flight& flight, const BodyMass& mass, double begin, const PathSettings& settings, const BodyState* arrived) {
     flight_ = flight;
     mass_ = &mass;
+    rides_ = false;
     settings_ = settings;
     const FreeMotion& motion = flight.motion;
     const double pull = glm::length(motion.acceleration);
@@ -88,8 +89,33 @@ void BodyPath::fly(const Flight& flight, const BodyMass& mass, double begin, con
 
 void BodyPath::go(const PathPiece& piece) {
     mass_ = nullptr;
+    rides_ = false;
     nodes_.clear();
     nodes_.push_back({.piece = piece, .from = {}, .to = {}});
+}
+
+void BodyPath::ride(const Ride& ride, double begin, const PathSettings& settings) {
+    ride_ = ride;
+    mass_ = nullptr;
+    rides_ = true;
+    settings_ = settings;
+    nodes_.clear();
+    add_ride(begin, 1.0, 0);
+}
+
+// The centre of mass goes round the carrier's, whose way is straight: from the chord it comes by no more than (angle)² / 8 of the radius, nor than twice that.
+void BodyPath::add_ride(double begin, double end, int depth) {
+    Node& node = nodes_.emplace_back();
+    node.from = {}, node.to = {};
+    node.depth = depth;
+    PathPiece& piece = node.piece;
+    piece.begin = begin, piece.end = end;
+    piece.start = dynamics::pose_at(ride_.carrier, begin) * ride_.local;
+    piece.translation = (dynamics::pose_at(ride_.carrier, end) * ride_.local).position - piece.start.position;
+    piece.rotation = (end - begin) * ride_.carrier.rotation;
+    const double turn = glm::length(piece.rotation);
+    piece.sway = glm::length(ride_.local.position) * std::min(2.0, turn * turn / 8.0);
+    piece.bend = piece.sway + ride_.carrier.bend;
 }
 
 BodyState BodyPath::after(BodyState state, double share) const noexcept {
@@ -113,7 +139,8 @@ void BodyPath::add(const BodyState& from, const BodyState& to, double begin, dou
 }
 
 bool BodyPath::can_split(std::uint32_t number) const noexcept {
-    return mass_ != nullptr && nodes_[number].piece.bend > settings_.most_bend && nodes_[number].depth < kMostHalvings;
+    const Node& node = nodes_[number];
+    return (rides_ ? node.piece.sway : mass_ != nullptr ? node.piece.bend : 0.0) > settings_.most_bend && node.depth < kMostHalvings;
 }
 
 std::pair<std::uint32_t, std::uint32_t> BodyPath::split(std::uint32_t number) {
@@ -121,12 +148,29 @@ std::pair<std::uint32_t, std::uint32_t> BodyPath::split(std::uint32_t number) {
         const Node node = nodes_[number];
         const double middle = 0.5 * (node.piece.begin + node.piece.end);
         nodes_[number].halves = static_cast<std::uint32_t>(nodes_.size());
+        if (rides_) {
+            add_ride(node.piece.begin, middle, node.depth + 1);
+            add_ride(middle, node.piece.end, node.depth + 1);
+            return {nodes_[number].halves, nodes_[number].halves + 1};
+        }
         const BodyState midway = after(node.from, middle - node.piece.begin);
         add(node.from, midway, node.piece.begin, middle, node.depth + 1);
         add(midway, node.to, middle, node.piece.end, node.depth + 1);
     }
     const std::uint32_t first = nodes_[number].halves;
     return {first, first + 1};
+}
+
+BodyState Ride::motion(double t, double dt) const noexcept {
+    const Pose other = dynamics::pose_at(carrier, t), pose = other * local;
+    const dvec3 spin = carrier.rotation / dt;
+    return {pose, carrier.translation / dt + glm::cross(spin, pose.position - other.position), spin};
+}
+
+BodyState Ride::after(const BodyState& start, double since, double t, double dt) const noexcept {
+    const dquat turn = rotation_from_vector((t - since) * carrier.rotation);
+    const dvec3 along = carrier.translation / dt;
+    return {dynamics::pose_at(carrier, t) * local, along + rotate(turn, start.velocity - along), rotate(turn, start.spin)};
 }
 
 Aabb BodyPath::box(double reach) const noexcept { return box_of(piece(kWhole), reach); }

@@ -34,6 +34,17 @@ struct Flight {
     FreeMotion motion;
 };
 
+/// A body that goes along with another as if it were fixed to it.
+struct Ride {
+    PathPiece carrier;  ///< the other's screw, over the whole step
+    Pose local{};       ///< of the principal frame, in that of the other
+
+    /// @return the state at `t` of what had the state `start` at `since`: its velocity and spin, against the other, turn with that.
+    [[nodiscard]] BodyState after(const BodyState& start, double since, double t, double dt) const noexcept;
+    /// @return how it goes at `t`: the state whose velocity and spin are those of the way [m/s], [rad/s].
+    [[nodiscard]] BodyState motion(double t, double dt) const noexcept;
+};
+
 /// How finely a path may be cut.
 struct PathSettings {
     double dt = 0.0;         ///< of the whole step [s]
@@ -53,6 +64,8 @@ public:
     /// @param mass  stays alive as long as the path is split.
     /// @param arrived  where the integrator has it at 1, if somebody knows; else null.
     void fly(const Flight& flight, const BodyMass& mass, double begin, const PathSettings& settings, const BodyState* arrived = nullptr);
+    /// Takes the path from `begin` to 1 of a body that is carried: of its pieces the turn is exact, and the arc of the centre of mass lies within their sway.
+    void ride(const Ride& ride, double begin, const PathSettings& settings);
     /// Takes one piece, which is not split.
     void go(const PathPiece& piece);
 
@@ -77,9 +90,12 @@ private:
     };
     [[nodiscard]] BodyState after(BodyState state, double share) const noexcept;
     void add(const BodyState& from, const BodyState& to, double begin, double end, int depth);
+    void add_ride(double begin, double end, int depth);
 
     Flight flight_;
-    const BodyMass* mass_ = nullptr;
+    Ride ride_;
+    const BodyMass* mass_ = nullptr;  // null of what does not fly
+    bool rides_ = false;
     PathSettings settings_;
     double most_pull_ = 0.0;    // [m/s²]
     double most_change_ = 0.0;  // of the spin [rad/s²]

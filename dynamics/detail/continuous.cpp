@@ -220,6 +220,7 @@ void Continuous::list_strays(const ContinuousScene& scene) {
 }
 
 BodyState Continuous::state_at(const ContinuousScene& scene, const Mover& mover, double t) const {
+    if (mover.carrier != kNone) return mover.ride.after(mover.flight.start, mover.since, t, scene.dt);
     if (mover.stopped) return mover.flight.start;
     if (mover.flies) {
         if (t == 1.0 && mover.since < 1.0) return mover.path.end();
@@ -259,7 +260,9 @@ PathSettings path_settings(const BodySize& size, double dt) {
 
 void Continuous::lay_path(const ContinuousScene& scene, Mover& mover) const {
     const BodyState& now = scene.bodies.states[mover.slot];
-    if (mover.stopped) {
+    if (mover.carrier != kNone) {
+        mover.path.ride(mover.ride, mover.since, path_settings(sizes_[mover.slot], scene.dt));
+    } else if (mover.stopped) {
         mover.path.go({.begin = mover.since, .start = mover.flight.start.pose});
     } else if (mover.flies) {
         const BodyState* const arrived = mover.changed ? nullptr : &now;  // what flew and met nothing yet is where the integrator took it
@@ -279,7 +282,8 @@ std::uint32_t Continuous::mover_of(const ContinuousScene& scene, std::uint32_t s
     Mover& mover = movers_[number];
     mover.slot = slot;
     mover.since = 0.0;
-    mover.flies = mover.changed = mover.stopped = false;
+    mover.flies = mover.changed = mover.stopped = mover.crushed = false;
+    mover.carrier = kNone;
     mover.impacts = 0;
     mover.version = 0;  // the path keeps its memory
     if (flies(scene, slot)) {
@@ -333,6 +337,7 @@ bool Continuous::stay_together(const ContinuousScene& scene, std::uint32_t slot_
         const Role role = scene.bodies.roles[slot];
         const Mover* const mover = mover_of_slot_[slot] == kNone ? nullptr : &movers_[mover_of_slot_[slot]];
         const BodyState& state = mover != nullptr && mover->flies ? mover->flight.start : scene.bodies.states[slot];
+        if (mover != nullptr && mover->stopped && (mover->carrier != kNone || scene.bodies.roles[slot == slot_a ? slot_b : slot_a] == Role::Kinematic)) return false;
         if (state.spin != dvec3{0.0} && role == Role::Kinematic && has_plane(scene, slot)) return false;  // seldom, so a search is no loss
         if (moves(role) && (mover == nullptr || !mover->stopped)) {
             velocity[side] = state.velocity;

@@ -93,6 +93,7 @@ public:
 
 private:
     static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+    static constexpr double kSlowShare = 0.01;  // of the smallest extent, in a step: slower is no impact
     static constexpr double kSlowedTurn = 0.99 * kMostTurn;  // in a step: what spins faster is slowed down to that [rad]
 
     /// A body that moved by itself, and so along a path that is known.
@@ -113,10 +114,20 @@ private:
         double since = 0.0;     ///< when the flight began
         bool flies = false;     ///< along `flight`; else along a chord, or not at all
         bool changed = false;   ///< by an impact
-        bool stopped = false;   ///< where it had its last impact, until the step is over
+        bool stopped = false;   ///< where it had its last impact, until the step is over; unless something carries it
+        bool crushed = false;   ///< nothing carries it any more
+        std::uint32_t carrier = kNone;  ///< a kinematic mover, along with which it goes since `since`
         int impacts = 0;        ///< in sixteenths; a chord that is laid anew is none
         std::uint32_t version = 0;
+        Ride ride;              ///< of what is carried
         BodyPath path;
+    };
+    /// What comes of an event to a body.
+    struct Outcome {
+        BodyState state;
+        StopCause stop = StopCause::None;
+        int account = 0;                ///< what goes to it, in sixteenths
+        std::uint32_t carrier = kNone;  ///< along with which it goes, if it is stopped
     };
     using Pair = SweptPair;
     struct Event {
@@ -176,7 +187,20 @@ private:
     void resolve(const ContinuousScene& scene, const Event& event);
     void find_points(const ContinuousScene& scene, const Event& event, const BodyState& a, const BodyState& b);
     void part(const ContinuousScene& scene, const Event& event, Pose& a, Pose& b) const;
-    void strike(const ContinuousScene& scene, std::uint32_t mover, double t, const BodyState& state, StopCause stop, int blow);
+    void strike(const ContinuousScene& scene, std::uint32_t mover, double t, const Outcome& outcome);
+
+    /// Two that are stopped or cannot be struck, of which something kinematic brings one against the other.
+    void carry(const ContinuousScene& scene, const Event& event);
+    /// One that is stopped goes with the other from now on, or is crushed against it.
+    void join(const ContinuousScene& scene, std::uint32_t mover, std::uint32_t other, double t, const BodyState& state);
+    void crush(const ContinuousScene& scene, std::uint32_t mover, double t, const BodyState& state);
+    /// What goes along with a mover that goes on.
+    [[nodiscard]] std::uint32_t carrier_of(const ContinuousScene& scene, std::uint32_t mover) const;
+    /// Whether the two go along with the same.
+    [[nodiscard]] bool go_together(const ContinuousScene& scene, std::uint32_t a, std::uint32_t b) const;
+    /// How it goes, whatever velocity it will have when the step is over.
+    [[nodiscard]] BodyState motion_at(const ContinuousScene& scene, const Mover& mover, double t) const;
+    [[nodiscard]] bool come_nearer(const ContinuousScene& scene, const Event& event);
     void note_leg(std::uint32_t mover, double end);
     void note_stop(const Mover& mover, double t, StopCause cause);
     void note_impact(const ContinuousScene& scene, const Event& event, bool blow);

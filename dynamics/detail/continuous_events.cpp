@@ -19,7 +19,6 @@ constexpr int kNoBlow = 0, kPush = 1, kImpact = 16;  // what goes to a body's ac
 constexpr double kOpening = 0.01;  // of the smallest extent, by which two that are struck while they touch are moved apart
 constexpr int kLevelOfContacts = 4;        // at which contacts of the solver are watched
 constexpr double kMarginShare = 1e-3;     // of the same: how far points of contact are looked for beyond that
-constexpr double kSlowShare = 0.01;       // of the same, in a step: slower is no impact
 
 /// What the solver moved has the velocity of the step's end, and with it what gravity does in the part of the step that a body which stops does not go. Taken out,
 /// as far as that makes it slower: standing still, a body would gain speed from step to step and lose no height.
@@ -120,7 +119,9 @@ void Continuous::search_all(const ContinuousScene& scene, std::uint32_t number, 
 
 void Continuous::search(const ContinuousScene& scene, const Pair& pair, double from, int level) {
     const Proxy &a = scene.proxies.by_slot[pair.a], &b = scene.proxies.by_slot[pair.b];
-    Mover &mover_a = movers_[mover_of(scene, a.body)], &mover_b = movers_[mover_of(scene, b.body)];
+    const std::uint32_t number_a = mover_of(scene, a.body), number_b = mover_of(scene, b.body);
+    if (go_together(scene, number_a, number_b)) return;
+    Mover &mover_a = movers_[number_a], &mover_b = movers_[number_b];
     PathSearch search{.a = {&mover_a.path, &a.shape, &a.local, a.reach}, .b = {&mover_b.path, &b.shape, &b.local, b.reach}};
     search.level = level;
     search.from = from;
@@ -160,11 +161,18 @@ void Continuous::search_deeper(const ContinuousScene& scene, const Pair& pair, d
         if (paths_ != nullptr) paths_->deep.push_back({pair.a, pair.b});
         return;
     }
-    for (const std::uint32_t proxy : {pair.a, pair.b}) {
-        const std::uint32_t slot = scene.proxies.bodies[proxy], number = mover_of_slot_[slot];
+    const std::uint32_t numbers[2]{mover_of_slot_[scene.proxies.bodies[pair.a]], mover_of_slot_[scene.proxies.bodies[pair.b]]};
+    for (int k = 0; k < 2; ++k) {
+        const std::uint32_t number = numbers[k], slot = movers_[number].slot;
         if (!has_mass(scene.bodies.roles[slot]) || movers_[number].stopped) continue;
-        strike(scene, number, from, state_at(scene, movers_[number], from), StopCause::Depth, kNoBlow);
+        strike(scene, number, from, {state_at(scene, movers_[number], from), StopCause::Depth, kNoBlow, carrier_of(scene, numbers[1 - k])});
         search_all(scene, number, from, kNone);
+    }
+    // What is carried may be carried deeper.
+    meeting_.points.clear();
+    const Event event{from, pair, 0, movers_[numbers[0]].version, movers_[numbers[1]].version, {}, 0.0};
+    if (!go_together(scene, numbers[0], numbers[1]) && come_nearer(scene, event)) {
+        join(scene, numbers[0], numbers[1], from, state_at(scene, movers_[numbers[0]], from));
     }
 }
 
@@ -173,7 +181,7 @@ void Continuous::find_points(const ContinuousScene& scene, const Event& event, c
     const Proxy &proxy_a = scene.proxies.by_slot[event.pair.a], &proxy_b = scene.proxies.by_slot[event.pair.b];
     const bool mesh = type_of(proxy_a.shape) == ShapeType::TriangleMesh;
     meeting_.points.clear();
-    if (event.level == 0) {
+    if (event.level == 0 || event.impact.normal == dvec3{0.0}) {
         const Pose pose_a = a.pose * proxy_a.local, pose_b = b.pose * proxy_b.local;
         const double margin = event.bend + (kSweepToleranceShare + kMarginShare) * size_of(scene, event.pair);
         manifolds_.clear();
@@ -191,7 +199,7 @@ void Continuous::find_points(const ContinuousScene& scene, const Event& event, c
     const Surface surface = combine(proxy_a.surface, proxy_b.surface);
     if (event.impact.normal != dvec3{0.0}) {
         meeting_.points.push_back({event.impact.point, event.impact.normal, surface.friction, surface.restitution});
-    } else if (const dvec3 between = a.velocity - b.velocity; between != dvec3{0.0}) {  // no direction is known but the one that must not be gone on
+    } else if (const dvec3 between = a.velocity - point_velocity(b, a.pose.position); between != dvec3{0.0}) {  // no direction is known but the one that must not be gone on
         meeting_.points.push_back({a.pose.position, glm::normalize(between), 0.0, 0.0});
     }
 }
@@ -201,7 +209,8 @@ void Continuous::resolve(const ContinuousScene& scene, const Event& event) {
     const std::uint32_t number_a = mover_of_slot_[slot_a], number_b = mover_of_slot_[slot_b];
     const Mover &a = movers_[number_a], &b = movers_[number_b];
     const bool b_gives_way = has_mass(scene.bodies.roles[slot_b]);
-    if (a.version != event.version_a || b.version != event.version_b || (a.stopped && (b.stopped || !b_gives_way))) return;
+    if (a.version != event.version_a || b.version != event.version_b ) return;
+    if (a.stopped && (b.stopped || !b_gives_way)) return carry(scene, event);
     BodyState state_a = state_at(scene, a, event.t), state_b = state_at(scene, b, event.t);
     find_points(scene, event, state_a, state_b);
     meeting_.a = meeter_of(state_a, scene.bodies.masses[slot_a], true);
@@ -217,12 +226,7 @@ void Continuous::resolve(const ContinuousScene& scene, const Event& event) {
             ++counts_.parted;
         }
     } else if (stop) {  // only what comes nearer to where the other stands
-        if (a.stopped) meeting_.a.velocity = meeting_.a.spin = dvec3{0.0};
-        if (b.stopped) meeting_.b.velocity = meeting_.b.spin = dvec3{0.0};
-        stop = meeting_.approaches(kSlowShare * size_of(scene, event.pair) / scene.dt);
-        if (!stop) return search_deeper(scene, event.pair, event.t, event.level);
-        meeting_.a.velocity = state_a.velocity, meeting_.a.spin = state_a.spin;
-        meeting_.b.velocity = state_b.velocity, meeting_.b.spin = state_b.spin;
+        if (!come_nearer(scene, event)) return search_deeper(scene, event.pair, event.t, event.level);
     } else if (a.flies && (b.flies || !b_gives_way)) {
         return search_deeper(scene, event.pair, event.t, event.level);
     }
@@ -232,8 +236,9 @@ void Continuous::resolve(const ContinuousScene& scene, const Event& event) {
     // A chord that is laid anew is no blow, and each is laid anew once.
     const int to_a = !blow ? kNoBlow : scene.bodies.roles[slot_b] == Role::Kinematic ? kPush : kImpact;
     const StopCause cause = stop ? StopCause::Partner : StopCause::None;
-    strike(scene, number_a, event.t, state_a, cause, to_a);
-    if (b_gives_way) strike(scene, number_b, event.t, state_b, cause, blow ? kImpact : kNoBlow);
+    const std::uint32_t onto_a = carrier_of(scene, number_a), onto_b = carrier_of(scene, number_b);
+    strike(scene, number_a, event.t, {state_a, cause, to_a, onto_b});
+    if (b_gives_way) strike(scene, number_b, event.t, {state_b, cause, blow ? kImpact : kNoBlow, onto_a});
     search_all(scene, number_a, event.t, kNone);
     if (b_gives_way) search_all(scene, number_b, event.t, slot_a);
 }
@@ -252,27 +257,35 @@ void Continuous::part(const ContinuousScene& scene, const Event& event, Pose& a,
 
 // The rest of the step begins anew for a body that was struck, or whose chord would go on where its velocity does not. What the solver had moved
 // has had its share of gravity. What meets a body that is stopped stops as well.
-void Continuous::strike(const ContinuousScene& scene, std::uint32_t number, double t, const BodyState& state, StopCause stop, int blow) {
+void Continuous::strike(const ContinuousScene& scene, std::uint32_t number, double t, const Outcome& outcome) {
     Mover& mover = movers_[number];
     if (scene.bodies.roles[mover.slot] == Role::Asleep) scene.wake(mover.slot);
-    if (!mover.stopped) note_leg(number, t);
     if (!mover.flies) mover.flight.motion = {.spin_tolerance = scene.free_motion(mover.slot).spin_tolerance};
-    mover.flight.start = state;
-    if (!mover.stopped) mover.since = t;
+    if (!mover.stopped || mover.carrier != kNone || outcome.carrier != kNone) {
+        note_leg(number, t);
+        mover.since = t;
+    }
+    mover.flight.start = outcome.state;
     mover.flies = mover.changed = true;
     ++mover.version;
-    mover.impacts += blow;
-    const double turn = glm::length(state.spin) * scene.dt;
+    mover.impacts += outcome.account;
+    const double turn = glm::length(outcome.state.spin) * scene.dt;
     if (turn > kMostTurn) {
         mover.flight.start.spin *= kSlowedTurn / turn;
         ++counts_.slowed;
     }
     const bool too_many = mover.impacts >= kImpact * settings_.most_impacts;
-    if (!mover.stopped && (stop != StopCause::None || too_many || budget_ <= 0)) {
+    if (!mover.stopped && (outcome.stop != StopCause::None || too_many || budget_ <= 0)) {
         mover.stopped = true;
         ++counts_.stopped;
-        note_stop(mover, t, stop != StopCause::None ? stop : too_many ? StopCause::Impacts : StopCause::Budget);
+        note_stop(mover, t, outcome.stop != StopCause::None ? outcome.stop : too_many ? StopCause::Impacts : StopCause::Budget);
         take_back_pull(mover.flight.start.velocity, (1.0 - t) * scene.dt * (scene.free_motion(mover.slot).acceleration - mover.flight.motion.acceleration));
+    }
+    if (mover.stopped && !mover.crushed && outcome.carrier != kNone) {
+        if (mover.carrier == kNone) ++counts_.carried;
+        const PathPiece& way = movers_[outcome.carrier].path.piece(BodyPath::kWhole);
+        mover.carrier = outcome.carrier;
+        mover.ride = {way, inverse(pose_at(way, t)) * outcome.state.pose};
     }
     lay_path(scene, mover);
     if (number_of_stray_[mover.slot] == kNone) strays_.push_back(mover.slot);
@@ -282,7 +295,7 @@ void Continuous::strike(const ContinuousScene& scene, std::uint32_t number, doub
 void Continuous::note_leg(std::uint32_t number, double end) {
     if (paths_ == nullptr) return;
     const Mover& mover = movers_[number];
-    paths_->legs.push_back({mover.slot, mover.since, end, mover.flies && !mover.stopped, mover.flight, mover.path.piece(BodyPath::kWhole)});
+    paths_->legs.push_back({mover.slot, mover.since, end, mover.flies && !mover.stopped, mover.carrier != kNone, mover.flight, mover.ride, mover.path.piece(BodyPath::kWhole)});
 }
 
 void Continuous::note_stop(const Mover& mover, double t, StopCause cause) {

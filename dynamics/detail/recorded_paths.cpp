@@ -11,7 +11,7 @@ RecordedPath::RecordedPath(const StepPaths& paths, std::uint32_t slot) : mass_(p
     const PathSettings settings = path_settings(paths.sizes[slot], paths.dt);
     for (const PathLeg& leg : paths.legs) {
         if (leg.slot == slot && (leg.end > leg.begin || leg.end == 1.0))
-            legs_.push_back({leg.begin, leg.end, leg.flight, leg.flies, {}}), legs_.back().path.go(leg.whole);
+            legs_.push_back({leg.begin, leg.end, leg.flight, leg.ride, leg.flies, leg.rides, {}}), legs_.back().path.go(leg.whole);
     }
     if (legs_.empty()) {
         Leg& whole = legs_.emplace_back();
@@ -21,12 +21,14 @@ RecordedPath::RecordedPath(const StepPaths& paths, std::uint32_t slot) : mass_(p
         whole.path.go(moves ? chord(body.start.pose, body.moved.pose, paths.dt * body.moved.spin) : PathPiece{.start = body.moved.pose});
     }
     for (Leg& leg : legs_) {
+        if (leg.rides) leg.path.ride(leg.ride, leg.begin, settings);
         if (leg.flies) leg.path.fly(leg.flight, mass_, leg.begin, settings);
     }
 }
 
 Pose RecordedPath::pose_at(double t) const {
     const auto leg = std::find_if(legs_.begin(), legs_.end() - 1, [&](const Leg& l) { return t < l.end; });
+    if (leg->rides) return leg->ride.motion(t, dt_).pose;
     if (!leg->flies) return dynamics::pose_at(leg->path.piece(BodyPath::kWhole), t);
     BodyState state = leg->flight.start;
     if (t > leg->begin) integrate_free(state, mass_, leg->flight.motion, (t - leg->begin) * dt_);

@@ -17,7 +17,8 @@ public:
     struct Leg {
         double begin = 0.0, end = 1.0;
         Flight flight;
-        bool flies = false;
+        Ride ride;
+        bool flies = false, rides = false;
         BodyPath path;
     };
 

@@ -29,8 +29,10 @@ struct BodyStep {
 struct PathLeg {
     std::uint32_t slot = 0;
     double begin = 0.0, end = 1.0;
-    bool flies = false;  ///< else along `whole`
+    bool flies = false;
+    bool rides = false;  ///< along `ride`; if neither, along `whole`
     Flight flight;       ///< from `begin` on
+    Ride ride;
     PathPiece whole;
 };
 

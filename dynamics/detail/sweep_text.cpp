@@ -42,6 +42,8 @@ const char* to_string(StopCause cause) noexcept {
             return "partner";
         case StopCause::Depth:
             return "depth";
+        case StopCause::Crushed:
+            return "crushed";
     }
     return "unknown";
 }
@@ -80,6 +82,8 @@ const char* to_string(SweepReason reason) noexcept {
             return "too deep";
         case SweepReason::Pressed:
             return "pressed";
+        case SweepReason::Crushed:
+            return "crushed";
     }
     return "unknown";
 }
@@ -128,6 +132,8 @@ std::string cause_text(SweepReason reason) {
             return "they were too deep in each other when the step began to be watched";
         case SweepReason::Pressed:
             return "their contacts did not hold what pressed them into each other";
+        case SweepReason::Crushed:
+            return "one is kinematic, which nothing stops, and the other could not give way to it";
     }
     return "";
 }
@@ -180,6 +186,8 @@ std::string remedy_of(SweepReason cause, const std::string& who) {
             return "a start at which they are not in each other";
         case SweepReason::Pressed:
             return "more substeps, or ContactMethod::Direct: contacts that give less";
+        case SweepReason::Crushed:
+            return "a kinematic body that leaves room, or BodyType::Dynamic for it";
         default:
             return "none";
     }

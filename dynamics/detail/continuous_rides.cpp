@@ -1,0 +1,84 @@
+// What is stopped and something kinematic comes upon: it goes along with that, as if fixed to it, until the step is over.
+#include <carom/dynamics/detail/continuous.hpp>
+
+namespace carom::dynamics {
+
+std::uint32_t Continuous::carrier_of(const ContinuousScene& scene, std::uint32_t number) const {
+    const Mover& mover = movers_[number];
+    return scene.bodies.roles[mover.slot] == Role::Kinematic ? number : mover.carrier;
+}
+
+bool Continuous::go_together(const ContinuousScene& scene, std::uint32_t a, std::uint32_t b) const {
+    if (movers_[a].carrier == kNone && movers_[b].carrier == kNone) return false;
+    return carrier_of(scene, a) == carrier_of(scene, b);
+}
+
+BodyState Continuous::motion_at(const ContinuousScene& scene, const Mover& mover, double t) const {
+    if (mover.carrier != kNone) return mover.ride.motion(t, scene.dt);
+    BodyState state = state_at(scene, mover, t);
+    if (mover.stopped) state.velocity = state.spin = dvec3{0.0};
+    return state;
+}
+
+bool Continuous::come_nearer(const ContinuousScene& scene, const Event& event) {
+    const std::uint32_t slot_a = scene.proxies.bodies[event.pair.a], slot_b = scene.proxies.bodies[event.pair.b];
+    const BodyState a = motion_at(scene, movers_[mover_of_slot_[slot_a]], event.t), b = motion_at(scene, movers_[mover_of_slot_[slot_b]], event.t);
+    if (meeting_.points.empty()) find_points(scene, event, a, b);
+    const Meeting met{meeter_of(a, scene.bodies.masses[slot_a], false), meeter_of(b, scene.bodies.masses[slot_b], false), meeting_.points};
+    return met.approaches(kSlowShare * size_of(scene, event.pair) / scene.dt);
+}
+
+void Continuous::carry(const ContinuousScene& scene, const Event& event) {
+    const std::uint32_t slot_a = scene.proxies.bodies[event.pair.a], slot_b = scene.proxies.bodies[event.pair.b];
+    const std::uint32_t number_a = mover_of_slot_[slot_a], number_b = mover_of_slot_[slot_b];
+    if (go_together(scene, number_a, number_b)) return;
+    const Mover &a = movers_[number_a], &b = movers_[number_b];
+    const bool b_gives_way = has_mass(scene.bodies.roles[slot_b]);
+    BodyState state_a = state_at(scene, a, event.t), state_b = state_at(scene, b, event.t);
+    find_points(scene, event, state_a, state_b);
+    if (!come_nearer(scene, event)) return search_deeper(scene, event.pair, event.t, event.level);
+    meeting_.a = meeter_of(state_a, scene.bodies.masses[slot_a], true);
+    meeting_.b = meeter_of(state_b, scene.bodies.masses[slot_b], b_gives_way);
+    const bool blow = meeting_.approaches(kSlowShare * size_of(scene, event.pair) / scene.dt);
+    if (blow) {
+        ++counts_.impacts;
+        meeting_.resolve();
+        state_a.velocity = meeting_.a.velocity, state_a.spin = meeting_.a.spin;
+        state_b.velocity = meeting_.b.velocity, state_b.spin = meeting_.b.spin;
+    }
+    note_impact(scene, event, blow);
+    if (blow && b_gives_way) strike(scene, number_b, event.t, {state_b, StopCause::Partner});
+    join(scene, number_a, number_b, event.t, state_a);
+    if (blow && b_gives_way) search_all(scene, number_b, event.t, slot_a);
+}
+
+// Nobody changes more than twice: what stands is carried, and what is carried is crushed.
+void Continuous::join(const ContinuousScene& scene, std::uint32_t number_a, std::uint32_t number_b, double t, const BodyState& state_a) {
+    const Mover &a = movers_[number_a], &b = movers_[number_b];
+    const std::uint32_t onto_a = carrier_of(scene, number_a), onto_b = carrier_of(scene, number_b);
+    if (onto_b != kNone && onto_a == kNone && !a.crushed) {
+        strike(scene, number_a, t, {state_a, StopCause::Partner, 0, onto_b});
+        return search_all(scene, number_a, t, kNone);
+    }
+    const bool b_gives_way = has_mass(scene.bodies.roles[b.slot]);
+    if (onto_a != kNone && onto_b == kNone && !b.crushed && b_gives_way) {
+        strike(scene, number_b, t, {state_at(scene, b, t), StopCause::Partner, 0, onto_a});
+        return search_all(scene, number_b, t, kNone);
+    }
+    if (onto_a != kNone) return crush(scene, number_a, t, state_a);
+    if (onto_b != kNone && b_gives_way) crush(scene, number_b, t, state_at(scene, b, t));
+}
+
+void Continuous::crush(const ContinuousScene& scene, std::uint32_t number, double t, const BodyState& state) {
+    Mover& mover = movers_[number];
+    strike(scene, number, t, {state, StopCause::Partner});  // ends its leg
+    ++counts_.crushed;
+    mover.crushed = true;
+    mover.carrier = kNone;
+    note_stop(mover, t, StopCause::Crushed);
+    lay_path(scene, mover);
+    note_way(mover.slot, mover.path);
+    search_all(scene, number, t, kNone);
+}
+
+}  // namespace carom::dynamics
