@@ -93,6 +93,8 @@ Json continuous_json(const ContinuousCounts& continuous) {
             {"impacts", continuous.impacts},
             {"clamped", continuous.clamped},
             {"stopped", continuous.stopped},
+            {"carried", continuous.carried},
+            {"crushed", continuous.crushed},
             {"parted", continuous.parted},
             {"slowed", continuous.slowed},
             {"overlapping", continuous.overlapping}};

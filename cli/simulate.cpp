@@ -35,6 +35,8 @@ void add(ContinuousCounts& sum, const ContinuousCounts& step) {
     sum.impacts += step.impacts;
     sum.clamped += step.clamped;
     sum.stopped += step.stopped;
+    sum.carried += step.carried;
+    sum.crushed += step.crushed;
     sum.parted += step.parted;
     sum.slowed += step.slowed;
     sum.overlapping += step.overlapping;

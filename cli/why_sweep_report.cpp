@@ -62,6 +62,8 @@ std::string stop_text(const FollowFinding& f) {
             return fmt::format("; stopped at t = {:.6g} at what had stopped before", f.stopped_at);
         case StopCause::Depth:
             return fmt::format("; stopped at t = {:.6g}, too deep in what it touched", f.stopped_at);
+        case StopCause::Crushed:
+            return fmt::format("; crushed at t = {:.6g}, where what carried it brought it against what does not give way", f.stopped_at);
     }
     return "";
 }

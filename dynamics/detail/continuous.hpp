@@ -186,7 +186,9 @@ private:
 
     void resolve(const ContinuousScene& scene, const Event& event);
     void find_points(const ContinuousScene& scene, const Event& event, const BodyState& a, const BodyState& b);
-    void part(const ContinuousScene& scene, const Event& event, Pose& a, Pose& b) const;
+    void part(const ContinuousScene& scene, const Event& event, Pose& a, Pose& b);
+    /// The share of a shift after which the middle of a body is at anybody's but `partner`'s.
+    [[nodiscard]] double room_for(const ContinuousScene& scene, std::uint32_t slot, std::uint32_t partner, double t, const Pose& from, const dvec3& shift);
     void strike(const ContinuousScene& scene, std::uint32_t mover, double t, const Outcome& outcome);
 
     /// Two that are stopped or cannot be struck, of which something kinematic brings one against the other.
@@ -228,6 +230,8 @@ private:
     };
     std::vector<FastPairs> fast_pairs_;
     std::deque<Mover> movers_;
+    Mover shifted_;                            // looks for room
+    BodyPath standing_;                        // of whom it may meet
     std::vector<std::uint32_t> displaced_;
     std::size_t mover_count_ = 0;              // those beyond keep their memory
     std::vector<Event> events_;                // a heap

@@ -16,7 +16,6 @@ constexpr std::int64_t kLeastBudget = 1024, kBudgetPerBody = 64;     // impacts
 constexpr std::int64_t kLeastPairs = 16384, kPairsPerBody = 256;     // times of impact
 constexpr std::int64_t kLeastPieces = 65536, kPiecesPerBody = 1024;  // pieces of paths that are looked at for them
 constexpr int kNoBlow = 0, kPush = 1, kImpact = 16;  // what goes to a body's account: what is kinematic goes on, and must not find it standing still
-constexpr double kOpening = 0.01;  // of the smallest extent, by which two that are struck while they touch are moved apart
 constexpr int kLevelOfContacts = 4;        // at which contacts of the solver are watched
 constexpr double kMarginShare = 1e-3;     // of the same: how far points of contact are looked for beyond that
 
@@ -26,8 +25,6 @@ void take_back_pull(dvec3& velocity, const dvec3& pull) noexcept {
     const double square = glm::dot(pull, pull);
     if (square > 0.0) velocity -= std::clamp(glm::dot(velocity, pull) / square, 0.0, 1.0) * pull;
 }
-
-constexpr Aabb kEverywhere{dvec3{-std::numeric_limits<double>::infinity()}, dvec3{std::numeric_limits<double>::infinity()}};
 
 }  // namespace
 
@@ -241,18 +238,6 @@ void Continuous::resolve(const ContinuousScene& scene, const Event& event) {
     if (b_gives_way) strike(scene, number_b, event.t, {state_b, cause, blow ? kImpact : kNoBlow, onto_a});
     search_all(scene, number_a, event.t, kNone);
     if (b_gives_way) search_all(scene, number_b, event.t, slot_a);
-}
-
-// Two that are struck while they touch: moved a little apart, each by the other's share of the mass, so that they can be watched at the level that they have come to.
-// Without it each blow would let them a level deeper.
-void Continuous::part(const ContinuousScene& scene, const Event& event, Pose& a, Pose& b) const {
-    const std::uint32_t slot_a = scene.proxies.bodies[event.pair.a], slot_b = scene.proxies.bodies[event.pair.b];
-    const BodyMass &mass_a = scene.bodies.masses[slot_a], &mass_b = scene.bodies.masses[slot_b];
-    const bool b_gives_way = has_mass(scene.bodies.roles[slot_b]);
-    const double share = b_gives_way ? mass_b.mass / (mass_a.mass + mass_b.mass) : 1.0;
-    const dvec3 apart = (event.bend + (kSweepToleranceShare + kOpening) * size_of(scene, event.pair)) * meeting_.points.front().normal;
-    a.position -= share * apart * free_moves(mass_a.locked);
-    if (b_gives_way) b.position += (1.0 - share) * apart * free_moves(mass_b.locked);
 }
 
 // The rest of the step begins anew for a body that was struck, or whose chord would go on where its velocity does not. What the solver had moved

@@ -10,10 +10,14 @@
 #include <carom/dynamics/detail/first_touch.hpp>
 
 #include <cstdint>
+#include <limits>
 #include <optional>
 #include <vector>
 
 namespace carom::dynamics {
+
+/// Where a half-space is.
+inline constexpr Aabb kEverywhere{dvec3{-std::numeric_limits<double>::infinity()}, dvec3{std::numeric_limits<double>::infinity()}};
 
 /// A shape on a body that goes along a path.
 struct PathShape {

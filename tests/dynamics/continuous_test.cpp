@@ -20,13 +20,6 @@ namespace {
 
 using namespace test;
 
-constexpr WorldDef kSpace{.gravity = dvec3{0.0}};
-
-dquat any_rotation(Random& random) {
-    dvec3 axis{random.range(-1.0, 1.0), random.range(-1.0, 1.0), random.range(-1.0, 1.0)};
-    return glm::normalize(rotation_from_vector(3.0 * axis));
-}
-
 /// Two that fly at each other along x, off centre by less than they are thick.
 struct Duel {
     World world;

@@ -4,11 +4,6 @@
 #include "bullets.hpp"
 #include "table.hpp"
 
-#include <carom/core/math.hpp>
-#include <carom/core/random.hpp>
-
-#include "../support/box_mesh.hpp"
-
 #include <gtest/gtest.h>
 
 #include <array>
@@ -22,29 +17,13 @@ namespace {
 
 using namespace test;
 
-constexpr WorldDef kSpace{.gravity = dvec3{0.0}};
-
-dquat any_rotation(Random& random) {
-    dvec3 axis{random.range(-1.0, 1.0), random.range(-1.0, 1.0), random.range(-1.0, 1.0)};
-    return glm::normalize(rotation_from_vector(3.0 * axis));
-}
-
-/// The wall is between z = -thickness / 2 and thickness / 2.
-Shape wall(int kind, float thickness) {
-    const vec3 half{300.0f, 300.0f, 0.5f * thickness};
-    if (kind == 0) return Box{half};
-    if (kind == 1) return box_mesh(half, 1);
-    return *TriangleMesh::build(std::vector<vec3>{{-300, -300, 0}, {300, -300, 0}, {300, 300, 0}, {-300, 300, 0}},
-                                std::vector<TriangleMesh::Triangle>{{0, 1, 2}, {0, 2, 3}});  // a sheet
-}
-
 /// Shots that go through, of `count` that fly towards a wall with spins up to 1e4 rad/s, none of which sees another.
 int count_tunnelled(int count, int bullet_kind, int wall_kind, std::uint64_t seed, const WorldDef& def = kSpace) {
     World world(def);
     Random random(seed);
     const auto thickness = static_cast<float>(random.unit() < 0.5 ? 0.001 : random.range(0.001, 0.01));
     const BodyId target = world.create_body({.type = BodyType::Static});
-    world.add_shape(target, wall(wall_kind, thickness), {.layer = 2});
+    world.add_shape(target, thin_wall(wall_kind, thickness), {.layer = 2});
     const Shape shape = bullet(bullet_kind);
     for (int i = 0; i < count; ++i) {
         const double speed = 50.0 * std::pow(200.0, random.unit()), tilt = random.range(0.0, 0.5);
@@ -77,9 +56,6 @@ TEST(Shots, NoneOfAnyShapeGoesThroughAThinWall) {
             << to_string(type_of(bullet(kind))) << " at wall " << at << ", batch " << i;
     }
 }
-
-/// Of a ball inside of the bullet about its centre of mass; none of a compound, which has nothing there.
-double core_of(int kind) { return std::array{0.05, 0.03, 0.0005, 0.035, 0.02, 0.025, 0.0, 0.03}[static_cast<std::size_t>(kind)]; }
 
 BodyDef thrown(Random& random, const dvec3& at, const dvec3& velocity) {
     const double spin = random.unit() < 0.5 ? 0.0 : std::pow(10.0, random.range(0.0, 4.0));
@@ -124,7 +100,7 @@ int count_driven_through(int count, int kind_a, int kind_b, int wall_kind, std::
     Random random(seed);
     const auto thickness = static_cast<float>(random.range(0.001, 0.01));
     const BodyId target = world.create_body({.type = BodyType::Static});
-    world.add_shape(target, wall(wall_kind, thickness), {.restitution = random.unit() < 0.5 ? 0.0f : 1.0f});
+    world.add_shape(target, thin_wall(wall_kind, thickness), {.restitution = random.unit() < 0.5 ? 0.0f : 1.0f});
     for (int i = 0; i < count; ++i) {
         const double speed = 50.0 * std::pow(200.0, random.unit()), x = 20.0 * (i - 0.5 * count);
         const BodyId resting =
