@@ -31,12 +31,14 @@ bool Continuous::come_nearer(const ContinuousScene& scene, const Event& event) {
 void Continuous::carry(const ContinuousScene& scene, const Event& event) {
     const std::uint32_t slot_a = scene.proxies.bodies[event.pair.a], slot_b = scene.proxies.bodies[event.pair.b];
     const std::uint32_t number_a = mover_of_slot_[slot_a], number_b = mover_of_slot_[slot_b];
-    if (go_together(scene, number_a, number_b)) return;
     const Mover &a = movers_[number_a], &b = movers_[number_b];
     const bool b_gives_way = has_mass(scene.bodies.roles[slot_b]);
+    if (go_together(scene, number_a, number_b) || (a.crushed && !b_gives_way)) return;
     BodyState state_a = state_at(scene, a, event.t), state_b = state_at(scene, b, event.t);
     find_points(scene, event, state_a, state_b);
-    if (!come_nearer(scene, event)) return search_deeper(scene, event.pair, event.t, event.level);
+    // What neither can give way to is left to contacts as far as the middle.
+    const bool joins = can_board(scene, number_a, number_b) || (b_gives_way && can_board(scene, number_b, number_a));
+    if (!come_nearer(scene, event) || (!joins && event.level + 1 < kLevels)) return search_deeper(scene, event.pair, event.t, event.level);
     meeting_.a = meeter_of(state_a, scene.bodies.masses[slot_a], true);
     meeting_.b = meeter_of(state_b, scene.bodies.masses[slot_b], b_gives_way);
     const bool blow = meeting_.approaches(kSlowShare * size_of(scene, event.pair) / scene.dt);
@@ -52,21 +54,22 @@ void Continuous::carry(const ContinuousScene& scene, const Event& event) {
     if (blow && b_gives_way) search_all(scene, number_b, event.t, slot_a);
 }
 
+bool Continuous::can_board(const ContinuousScene& scene, std::uint32_t number, std::uint32_t other) const {
+    return movers_[number].stopped && !movers_[number].crushed && movers_[number].carrier == kNone && carrier_of(scene, other) != kNone;
+}
+
 // Nobody changes more than twice: what stands is carried, and what is carried is crushed.
 void Continuous::join(const ContinuousScene& scene, std::uint32_t number_a, std::uint32_t number_b, double t, const BodyState& state_a) {
-    const Mover &a = movers_[number_a], &b = movers_[number_b];
-    const std::uint32_t onto_a = carrier_of(scene, number_a), onto_b = carrier_of(scene, number_b);
-    if (onto_b != kNone && onto_a == kNone && !a.crushed) {
-        strike(scene, number_a, t, {state_a, StopCause::Partner, 0, onto_b});
-        return search_all(scene, number_a, t, kNone);
-    }
+    const Mover& b = movers_[number_b];
     const bool b_gives_way = has_mass(scene.bodies.roles[b.slot]);
-    if (onto_a != kNone && onto_b == kNone && !b.crushed && b_gives_way) {
-        strike(scene, number_b, t, {state_at(scene, b, t), StopCause::Partner, 0, onto_a});
-        return search_all(scene, number_b, t, kNone);
-    }
-    if (onto_a != kNone) return crush(scene, number_a, t, state_a);
-    if (onto_b != kNone && b_gives_way) crush(scene, number_b, t, state_at(scene, b, t));
+    const auto board = [&](std::uint32_t number, const BodyState& state, std::uint32_t other) {
+        strike(scene, number, t, {state, StopCause::Partner, 0, carrier_of(scene, other)});
+        search_all(scene, number, t, kNone);
+    };
+    if (can_board(scene, number_a, number_b)) return board(number_a, state_a, number_b);
+    if (b_gives_way && can_board(scene, number_b, number_a)) return board(number_b, state_at(scene, b, t), number_a);
+    if (movers_[number_a].carrier != kNone) return crush(scene, number_a, t, state_a);
+    if (b.carrier != kNone) crush(scene, number_b, t, state_at(scene, b, t));
 }
 
 void Continuous::crush(const ContinuousScene& scene, std::uint32_t number, double t, const BodyState& state) {

@@ -34,7 +34,8 @@ struct Crowd {
     double thickness;
     double dt;
     ContinuousCounts counts{};
-    double most_ratio = 0.0;  ///< of a body's speed, over the fastest thing that was there at the start
+    std::vector<unsigned char> left;  ///< the wall's surroundings: it may have flown round its edge
+    int behind = 0;
 
     Crowd(std::uint64_t seed, int kind, Going going, const WorldDef& def = kSpace) : world(def), wall_kind(kind) {
         Random random(seed);
@@ -75,18 +76,21 @@ struct Crowd {
     }
 
     void run(int steps) {
+        left.resize(bodies.size());
         for (int k = 0; k < steps; ++k) {
             const ContinuousCounts step = world.step(dt).continuous;
             counts.impacts += step.impacts, counts.stopped += step.stopped, counts.carried += step.carried, counts.crushed += step.crushed;
+            const Pose pose = world.pose(wall);
+            for (std::size_t i = 0; i < bodies.size(); ++i) {
+                const dvec3 at = inverse_transform_point(pose, world.center_of_mass(bodies[i]));
+                const bool plane = wall_kind == kThinWalls - 1;
+                if (left[i] != 0 || (!plane && glm::length(at) > 200.0)) {
+                    left[i] = 1;
+                } else if (at.z > (plane ? -0.5 * thickness : 0.0)) {
+                    ++behind, left[i] = 1;
+                }
+            }
         }
-    }
-    [[nodiscard]] int behind() const {
-        const Pose pose = world.pose(wall);
-        return static_cast<int>(std::ranges::count_if(bodies, [&](BodyId body) {
-            const dvec3 at = inverse_transform_point(pose, world.center_of_mass(body));
-            if (wall_kind == kThinWalls - 1) return at.z > -0.5 * thickness;
-            return at.z > 0.0 && std::abs(at.x) < 250.0 && std::abs(at.y) < 250.0;
-        }));
     }
 };
 
@@ -97,11 +101,11 @@ int shots() {
 
 void expect_nothing_comes_through(Going going, std::uint64_t first_seed) {
     std::size_t carried = 0, crushed = 0;
-    const int crowds = shots() / 24 / 8;
+    const int crowds = shots() / 24 / 12;
     for (int i = 0; i < crowds; ++i) {
         Crowd crowd(first_seed + static_cast<std::uint64_t>(i), i % kThinWalls, going);
         crowd.run(6);
-        EXPECT_EQ(crowd.behind(), 0) << "crowd " << i << " at wall " << i % kThinWalls;
+        EXPECT_EQ(crowd.behind, 0) << "crowd " << i << " at wall " << i % kThinWalls;
         carried += crowd.counts.carried, crushed += crowd.counts.crushed;
     }
     std::printf("moving walls: %d shots, %zu carried, %zu crushed\n", 24 * crowds, carried, crushed);
@@ -115,15 +119,16 @@ TEST(MovingWalls, NothingOfACrowdComesThroughOneThatTurns) { expect_nothing_come
 TEST(MovingWalls, CrowdsHaveTheSameBitsOnAnyNumberOfThreads) {
     std::size_t carried = 0;
     ShuffledExecutor threads(4);
-    WorldDef shared = kSpace;
+    WorldDef few = kSpace, shared = kSpace;
+    few.continuous.most_impacts = shared.continuous.most_impacts = 3;
     shared.executor = &threads;
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-        Crowd alone(seed, static_cast<int>(seed % kThinWalls), Going::Turning), crowd(seed, static_cast<int>(seed % kThinWalls), Going::Turning, shared);
+        Crowd alone(seed, static_cast<int>(seed % kThinWalls), Going::Turning, few), crowd(seed, static_cast<int>(seed % kThinWalls), Going::Turning, shared);
         alone.run(4), crowd.run(4);
         EXPECT_EQ(alone.world.state_hash(), crowd.world.state_hash()) << seed;
         carried += alone.counts.carried;
     }
-    EXPECT_GT(carried, 5u);
+    EXPECT_GT(carried, 8u);
 }
 
 /// A ball that is hit once, which is all that it may be, by another, before a door that comes: both stand, and the door takes them along.
@@ -161,15 +166,18 @@ TEST(MovingWalls, WhatIsStoppedGoesAlongAsIfFixedToTheWall) {
             EXPECT_FALSE(why.passage);
             const Pose early = room.before_the_door(body, 0.8), late = room.before_the_door(body, 1.0);
             EXPECT_GT(late.position.z, 0.05);
-            EXPECT_LT(late.position.z, 0.07) << "it is at the door";
+            EXPECT_LT(late.position.z, 0.08) << "it is at the door";
             EXPECT_LT(glm::length(late.position - early.position), 1e-12);
             EXPECT_NEAR(std::abs(glm::dot(late.orientation, early.orientation)), 1.0, 1e-14);
             EXPECT_EQ(room.world.pose_within_step(body, 1.0).position, room.world.pose(body).position);
-            // It has the door's velocity where it is, across the door, and no more.
+            // It has the door's velocity where it is, across the door, and never more; the two push each other besides.
             const Pose door = room.world.pose(room.door);
             const dvec3 out = rotate(door.orientation, dvec3{0.0, 0.0, 1.0});
             const dvec3 there = room.world.linear_velocity(room.door) + glm::cross(turning, room.world.pose(body).position - door.position);
-            EXPECT_NEAR(glm::dot(out, room.world.linear_velocity(body) - there), 0.0, 1e-9);
+            if (turning == dvec3{0.0}) {
+                EXPECT_NEAR(glm::dot(out, room.world.linear_velocity(body) - there), 0.0, 1e-9);
+            }
+            EXPECT_LT(glm::dot(out, room.world.linear_velocity(body) - there), 1e-9);
         }
         room.world.step(kDt);
         EXPECT_GT(room.before_the_door(room.ball, 1.0).position.z, 0.05) << "and so on";
@@ -177,11 +185,10 @@ TEST(MovingWalls, WhatIsStoppedGoesAlongAsIfFixedToTheWall) {
 }
 
 TEST(MovingWalls, WhatIsCarriedTakesAlongWhatItComesUpon) {
-    Doorway room({.gravity = dvec3{0.0}, .sleep = {.enabled = true}, .record_paths = true, .continuous = {.most_impacts = 1}});
+    Doorway room({.record_paths = true, .continuous = {.most_impacts = 1}, .sleep = {.enabled = true}});
     const BodyId sleeper = room.world.create_body({.position = {0.0, 0.0, 0.25}});
-    room.world.add_shape(sleeper, Sphere{0.05f});
-    const BodyId under = room.world.create_body({.type = BodyType::Static, .position = {0.0, -0.1, 0.25}});  // to sleep on
-    room.world.add_shape(under, Sphere{0.05f});
+    room.world.add_shape(sleeper, Box{{0.05f, 0.05f, 0.05f}});
+    room.world.add_shape(room.world.create_body({.type = BodyType::Static, .position = {0.0, -0.1, 0.25}}), Box{{0.5f, 0.05f, 0.05f}});  // to sleep on
     for (int k = 0; k < 120; ++k) room.world.step(kDt);
     ASSERT_FALSE(room.world.is_awake(sleeper));
     room.step();

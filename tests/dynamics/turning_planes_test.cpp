@@ -29,7 +29,7 @@ struct Field {
         world.add_shape(floor, Plane{{0.0f, 1.0f, 0.0f}, -3.0f}, {.layer = 2});
         const double down = world.pose(floor).position.y - 3.0;
         for (int i = 0; i < 48; ++i) {
-            const dvec3 at{random.range(-8.0, 8.0), down + random.range(0.4, 3.0), random.range(-8.0, 8.0)};
+            const dvec3 at{random.range(-8.0, 8.0), down + random.range(0.6, 3.0), random.range(-8.0, 8.0)};
             bodies.push_back(world.create_body({.position = at,
                                                 .orientation = random_rotation(random),
                                                 .linear_velocity = random.range(0.0, 30.0) * random_direction(random),
