@@ -153,6 +153,9 @@ bool Continuous::overlap_at_start(const ContinuousScene& scene, const Pair& pair
 // come there goes no farther, nor what spins so fast that its path is not known better.
 void Continuous::search_deeper(const ContinuousScene& scene, const Pair& pair, double from, int level) {
     if (level + 1 < kLevels) return search(scene, pair, from, level + 1);
+    if (from == 0.0 && level < kMiddle && overlap_at_start(scene, pair, level) && !overlap_at_start(scene, pair, kMiddle)) {
+        return search(scene, pair, from, kMiddle);  // what the step before stopped at the last level
+    }
     if (from == 0.0 && overlap_at_start(scene, pair, level)) {
         ++counts_.overlapping;
         if (paths_ != nullptr) paths_->deep.push_back({pair.a, pair.b});

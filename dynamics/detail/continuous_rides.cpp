@@ -22,7 +22,8 @@ BodyState Continuous::motion_at(const ContinuousScene& scene, const Mover& mover
 
 bool Continuous::come_nearer(const ContinuousScene& scene, const Event& event) {
     const std::uint32_t slot_a = scene.proxies.bodies[event.pair.a], slot_b = scene.proxies.bodies[event.pair.b];
-    const BodyState a = motion_at(scene, movers_[mover_of_slot_[slot_a]], event.t), b = motion_at(scene, movers_[mover_of_slot_[slot_b]], event.t);
+    const BodyState a = motion_at(scene, movers_[mover_of_slot_[slot_a]], event.t),
+                    b = motion_at(scene, movers_[mover_of_slot_[slot_b]], event.t);
     if (meeting_.points.empty()) find_points(scene, event, a, b);
     const Meeting met{meeter_of(a, scene.bodies.masses[slot_a], false), meeter_of(b, scene.bodies.masses[slot_b], false), meeting_.points};
     return met.approaches(kSlowShare * size_of(scene, event.pair) / scene.dt);

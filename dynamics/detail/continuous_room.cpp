@@ -25,7 +25,8 @@ void Continuous::part(const ContinuousScene& scene, const Event& event, Pose& a,
 }
 
 // Where paths bend by much, the shift is nearly as long as a thin body is thick, and nobody watches it: somebody jammed at a wall was put behind it.
-double Continuous::room_for(const ContinuousScene& scene, std::uint32_t slot, std::uint32_t partner, double t, const Pose& from, const dvec3& shift) {
+double Continuous::room_for(const ContinuousScene& scene, std::uint32_t slot, std::uint32_t partner, double t, const Pose& from,
+                            const dvec3& shift) {
     double room = 1.0;
     shifted_.slot = slot;
     shifted_.path.go({.start = from, .translation = shift});
@@ -40,7 +41,8 @@ double Continuous::room_for(const ContinuousScene& scene, std::uint32_t slot, st
                 const Proxy& of = scene.proxies.by_slot[proxy];
                 return PathShape{proxy == p ? &shifted_.path : &standing_, &of.shape, &of.local, of.reach};
             };
-            PathSearch search{.a = moving(pair.a), .b = moving(pair.b), .level = kLevels - 1, .tolerance = kSweepToleranceShare * size_of(scene, pair)};
+            PathSearch search{
+                .a = moving(pair.a), .b = moving(pair.b), .level = kLevels - 1, .tolerance = kSweepToleranceShare * size_of(scene, pair)};
             if (scene.proxies.kinds[pair.b] == ProxyKind::Plane) search.still = kEverywhere;
             if (++counts_.pairs > most_pairs_) budget_ = 0;
             if (touch(search, 0.0, 1.0, cores_)) room = std::min(room, search.t);

@@ -169,6 +169,29 @@ TEST(Continuous, ANeedleThatIsHitDoesNotSpinOutOfTheWorld) {
     EXPECT_LE(glm::length(world.angular_velocity(needle)) * kDt, 2000.0);
 }
 
+// Two balls that touch as the step begins rub each other to 2 10^5 rad/s, and fly: both are slowed before they are followed, from the start of their way.
+TEST(Continuous, WhatBouncesAtOnceIntoTooFastASpinIsSlowedAllTheWay) {
+    World world(kSpace);
+    std::array<BodyId, 2> balls;
+    for (int i = 0; i < 2; ++i) {
+        const double side = i == 0 ? -1.0 : 1.0;
+        balls[static_cast<std::size_t>(i)] =
+            world.create_body({.position = {side * static_cast<double>(0.005f), 0.0, 0.0}, .linear_velocity = {-3000.0 * side, -3000.0 * side, 0.0}});
+        world.add_shape(balls[static_cast<std::size_t>(i)], Sphere{0.005f}, {.friction = 1.0f, .restitution = 1.0f});
+    }
+    const StepReport report = world.step(kDt);
+    EXPECT_EQ(report.impacts, 1u);
+    EXPECT_EQ(report.continuous.slowed, 2u);
+    EXPECT_TRUE(report.quarantined.empty());
+    for (const BodyId ball : balls) {
+        const dvec3 spin = world.angular_velocity(ball);
+        EXPECT_NEAR(glm::length(spin) * kDt, 0.99 * 2000.0, 1e-6);
+        const dquat turned = rotation_from_vector(kDt * spin);
+        EXPECT_NEAR(std::abs(glm::dot(turned, world.pose(ball).orientation)), 1.0, 1e-9) << "by the spin that it has been given";
+        EXPECT_NEAR(world.pose(ball).position.x, world.linear_velocity(ball).x * kDt, 0.006);
+    }
+}
+
 // Bodies that step() moves little are not followed, and nothing of them depends on the stage.
 TEST(Continuous, ChangesNothingWhereNothingIsFast) {
     Table with, without({.continuous = {.enabled = false}});

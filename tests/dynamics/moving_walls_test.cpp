@@ -57,7 +57,8 @@ struct Crowd {
 
     void add(Random& random, int i, int kind) {
         const dvec3 place{0.6 * (i % 5 - 2), 0.6 * (i / 5 - 2), 0.0};
-        const double speed = 50.0 * std::pow(200.0, random.unit()), spin = random.unit() < 0.5 ? 0.0 : std::pow(10.0, random.range(0.0, 4.0));
+        const double speed = 50.0 * std::pow(200.0, random.unit()),
+                     spin = random.unit() < 0.5 ? 0.0 : std::pow(10.0, random.range(0.0, 4.0));
         BodyDef def{.position = place, .orientation = any_rotation(random)};
         if (i % 3 == 0) {
             const double reach = bounds(bullet(kind), Pose{def.position, def.orientation}).upper.z;
@@ -123,7 +124,8 @@ TEST(MovingWalls, CrowdsHaveTheSameBitsOnAnyNumberOfThreads) {
     few.continuous.most_impacts = shared.continuous.most_impacts = 3;
     shared.executor = &threads;
     for (std::uint64_t seed = 1; seed <= 10; ++seed) {
-        Crowd alone(seed, static_cast<int>(seed % kThinWalls), Going::Turning, few), crowd(seed, static_cast<int>(seed % kThinWalls), Going::Turning, shared);
+        Crowd alone(seed, static_cast<int>(seed % kThinWalls), Going::Turning, few),
+            crowd(seed, static_cast<int>(seed % kThinWalls), Going::Turning, shared);
         alone.run(4), crowd.run(4);
         EXPECT_EQ(alone.world.state_hash(), crowd.world.state_hash()) << seed;
         carried += alone.counts.carried;
@@ -140,7 +142,8 @@ struct Doorway {
     explicit Doorway(const WorldDef& def = {.gravity = dvec3{0.0}, .record_paths = true, .continuous = {.most_impacts = 1}}) : world(def) {}
 
     void step(const dvec3& turning = dvec3{0.0}, double speed = 60.0) {
-        door = world.create_body({.type = BodyType::Kinematic, .position = {0.0, 0.0, -0.6}, .linear_velocity = {0.0, 0.0, speed}, .angular_velocity = turning});
+        door = world.create_body(
+            {.type = BodyType::Kinematic, .position = {0.0, 0.0, -0.6}, .linear_velocity = {0.0, 0.0, speed}, .angular_velocity = turning});
         world.add_shape(door, Box{{3.0f, 3.0f, 0.01f}});
         ball = world.create_body({});
         world.add_shape(ball, Sphere{0.05f});
@@ -188,7 +191,8 @@ TEST(MovingWalls, WhatIsCarriedTakesAlongWhatItComesUpon) {
     Doorway room({.record_paths = true, .continuous = {.most_impacts = 1}, .sleep = {.enabled = true}});
     const BodyId sleeper = room.world.create_body({.position = {0.0, 0.0, 0.25}});
     room.world.add_shape(sleeper, Box{{0.05f, 0.05f, 0.05f}});
-    room.world.add_shape(room.world.create_body({.type = BodyType::Static, .position = {0.0, -0.1, 0.25}}), Box{{0.5f, 0.05f, 0.05f}});  // to sleep on
+    room.world.add_shape(room.world.create_body({.type = BodyType::Static, .position = {0.0, -0.1, 0.25}}),
+                         Box{{0.5f, 0.05f, 0.05f}});  // to sleep on
     for (int k = 0; k < 120; ++k) room.world.step(kDt);
     ASSERT_FALSE(room.world.is_awake(sleeper));
     room.step();
@@ -262,7 +266,8 @@ TEST(MovingWalls, RidesStayWithinTheBoundsOfTheirPaths) {
         EXPECT_NEAR(glm::length(end.spin), glm::length(start.spin), 1e-12);
         // motion() is how the pose changes.
         const double h = 1e-7, t = begin + 0.5 * (1.0 - begin);
-        const dvec3 way = ((pose_at(ride.carrier, t + h) * ride.local).position - (pose_at(ride.carrier, t - h) * ride.local).position) / (2.0 * h * kDt);
+        const dvec3 way =
+            ((pose_at(ride.carrier, t + h) * ride.local).position - (pose_at(ride.carrier, t - h) * ride.local).position) / (2.0 * h * kDt);
         EXPECT_LT(glm::length(way - ride.motion(t, kDt).velocity), 1e-4 * (1.0 + glm::length(way)));
     }
 }
