@@ -59,19 +59,18 @@ enum class CollideStatus : unsigned char {
 /// Frame: world axes about A's origin; see Manifold. Swapping a and b flips the normal and keeps points and separations.
 ///
 /// What is reported: where the shapes overlap, the least depth over all directions (for a mesh, over those its surface allows, and where it
-/// allows none, over the normals of the triangles that are met; what overlaps is always reported); where they are apart, their distance,
-/// except that two boxes give the greatest separation over their axes, a lower bound that is the distance unless corners face each other. A
-/// body on a flat or nearly flat stretch of a mesh has one manifold; a mesh has two sides, and pushes to the one on which the shape's
-/// centre lies; of a one-sided mesh nothing is reported to what has its centre behind it. A mesh that bounds a convex solid
-/// (TriangleMesh::solid) is met as that, but by what has its centre inside and room there, which is kept in. Flat ends of cylinders and cones give up to four
-/// points of their rim or of what they lie on, sides a line of two; where a side or rim touches smoothly, the normal is found to about
-/// 5e-6. Two meshes push to their fronts, and have a manifold for each patch; where they are apart by more than 1/64 of the smaller one,
-/// only what is about as near as the nearest points is reported; where they overlap by more than that, a motion along a normal by the depth frees
-/// the two where such a one was found, and it may be too long by some 1e-2 of the size (docs/narrowphase.md).
-/// Accuracy: 1e-6 of the larger shape's size (2e-6 for the depth of two boxes; 1e-5 of hulls with faces that ConvexHull::build merged, whose
-/// planes lie that much outside), of a mesh the convex shape's, and of a box much larger than the other the other's. Computed in double in
-/// the frame of one of the two, two boxes in float in the frame of A (sixteen pairs at a time), so the distance from the world's origin
-/// does not matter; positions are rounded to float about A, so let A be the smaller.
+/// allows none, over the normals of the triangles that are met; what overlaps is always reported); where they are apart, their distance. A
+/// body on a flat or nearly flat stretch of a mesh has one manifold; a mesh has two sides, and pushes to the one on which the shape's centre
+/// lies; of a one-sided mesh nothing is reported to what has its centre behind it. A mesh that bounds a convex solid (TriangleMesh::solid) is
+/// met as that, but by what has its centre inside and room there, which is kept in. Flat ends of cylinders and cones give up to four points of their rim or of what they lie on, sides a line of two; where a side or rim
+/// touches smoothly, the normal is found to about 5e-6. Two meshes push to their fronts, and have a manifold for each patch; where they are
+/// apart by more than 1/64 of the smaller one, only what is about as near as the nearest points is reported; where they overlap by more than
+/// that, a motion along a normal by the depth frees the two where such a one was found, and it may be too long by some 1e-2 of the size
+/// (docs/narrowphase.md).
+/// Accuracy: 1e-6 of the larger shape's size (2e-6 for the depth and the distance of two boxes; 1e-5 of hulls with faces that
+/// ConvexHull::build merged, whose planes lie that much outside), of a mesh the convex shape's, and of a box much larger than the other the
+/// other's. Computed in double in the frame of one of the two, two boxes in float in the frame of A (sixteen pairs at a time), so the
+/// distance from the world's origin does not matter; positions are rounded to float about A, so let A be the smaller.
 /// Misuse (null shape, non-finite pose, negative or non-finite margin, a pair without a kernel) is reported and appends nothing.
 /// Cost: O(1) for round shapes, cylinders, cones, boxes and planes; hulls O(F V + E E); meshes O(log m + triangles near); compounds
 /// the sum over the parts near each other. Allocates only while buffers of the calling thread grow. Thread-safe.
@@ -99,15 +98,23 @@ struct CollideCounts {
 
 /// Collides all `pairs`, (n,), sorted into batches by kernel, and replaces `out` by their manifolds in the order of `pairs`.
 /// The same bits as the single call, on every number of threads and at every SIMD width.
-/// What depends on one shape alone is looked at once for each, however many pairs it is in. On one thread, `out` may get other memory than it had.
-/// Misuse as in the single call, and sizes of `placed` that differ or a number beyond them: nothing changes.
+/// What depends on one shape alone is looked at once for each, however many pairs it is in; of up to 1,024 pairs of boxes on one thread the
+/// other shapes are not looked at. On one thread, `out` may get other memory than it had.
+/// Misuse as in the single call, and sizes of `placed` that differ, a number beyond them, a pair that names its `last`: reported, nothing
+/// changes.
 CollideCounts collide(const PlacedShapes& placed, std::span<const NumberedPair> pairs, Executor& executor, CollideScratch& scratch,
                       std::vector<Manifold>& out);
 
-/// The same, but for each pair, by number and in their order, its manifolds (maybe none) go to `take`, on the calling thread and while the call lasts: so the
-/// manifolds of all pairs are nowhere held at once.
+/// The same, but for each pair, by number and in their order, its manifolds (maybe none) go to `take`, on the calling thread and while the
+/// call lasts. The span is valid until `take` returns.
+/// @return counts of all pairs; none is reused.
+/// Misuse as above: `take` is not called, and nothing changes. What `take` throws leaves the call; pairs after that one are not given, and
+/// `scratch` can be used again. It must not be used within `take`. The batch is not remembered, and the one before is forgotten.
+/// Cost: as above. Memory: manifolds are held by blocks, of 1,024 pairs for each kind of pair on one thread and 4,096 a kind and thread on
+/// several, and never those of all pairs at once.
 using TakeManifolds = FunctionRef<void(std::size_t pair, std::span<const Manifold> manifolds)>;
-CollideCounts collide(const PlacedShapes& placed, std::span<const NumberedPair> pairs, Executor& executor, CollideScratch& scratch, TakeManifolds take);
+CollideCounts collide(const PlacedShapes& placed, std::span<const NumberedPair> pairs, Executor& executor, CollideScratch& scratch,
+                      TakeManifolds take);
 
 /// The same, looking only at pairs that have moved.
 ///

@@ -1,18 +1,13 @@
 // Many pairs at once: sorted by kernel, run in chunks of fixed length, laid out in the order of the pairs.
 #include <carom/core/check.hpp>
 #include <carom/narrowphase/collide.hpp>
+#include <carom/narrowphase/detail/batch_boxes.hpp>
+#include <carom/narrowphase/detail/batch_check.hpp>
 #include <carom/narrowphase/detail/batch_memory.hpp>
-#include <carom/narrowphase/detail/check_pair.hpp>
-#include <carom/narrowphase/detail/kernels.hpp>
-#include <carom/narrowphase/detail/pair_lanes.hpp>
 #include <carom/narrowphase/detail/workspace.hpp>
 
 #include <algorithm>
 #include <array>
-#include <atomic>
-#include <bit>
-#include <limits>
-#include <numeric>
 #include <utility>
 
 namespace carom {
@@ -21,17 +16,11 @@ namespace {
 // Pairs a chunk: enough to hide what a chunk costs, few enough to share among threads. It fixes where results lie, so that neither
 // threads nor grain can change them.
 constexpr std::size_t kChunk = 128;
-// Pairs are run by blocks, whose manifolds wait in the chunks until all before them are counted: a block is all that this takes memory for. One of
-// several kinds is longer, so that few of a kernel's lanes idle where its pairs end, and so is one of several threads, which wait for each other.
+// Pairs are run by blocks, whose manifolds wait in the chunks until all before them are counted: a block is all that this takes memory for.
+// One of several kinds is longer, so that few of a kernel's lanes idle where its pairs end, and so is one of several threads, which wait for
+// each other.
 constexpr std::size_t kBlock = 1024, kBlockOfThread = 4096;
-constexpr std::size_t kKinds = static_cast<std::size_t>(kShapeTypeCount) * static_cast<std::size_t>(kShapeTypeCount);
-
-constexpr unsigned char kNoShape = 255;
-constexpr std::size_t kind_of(std::size_t type_a, std::size_t type_b) noexcept {
-    return type_a * static_cast<std::size_t>(kShapeTypeCount) + type_b;
-}
-constexpr std::uint16_t kReused = kKinds;  // in place of a kind
-constexpr const char* kNotFinitePose = "collide: a pose is not finite";
+constexpr std::uint16_t kReused = detail::kKinds;  // in place of a kind
 
 struct Chunk {
     detail::ManifoldList manifolds;
@@ -51,13 +40,12 @@ struct CollideScratch::Data {
     std::vector<const Shape*> shapes;  // of pairs that bring their own
     std::vector<Pose> poses;
     std::vector<NumberedPair> numbered;
-    std::vector<unsigned char> types;  // by shape; kNoShape for none
-    std::vector<std::uint16_t> kinds;  // by pair
+    detail::BatchKinds kinds;
     std::vector<std::uint32_t> order;  // of a block's pairs to be run
     std::vector<Place> places;         // by pair of a block, and so:
     std::vector<std::size_t> starts;   // where its manifolds are to be
     std::vector<Chunk> chunks;
-    detail::ManifoldList direct;  // manifolds of a block that are written in their order, in memory that `out` takes over
+    detail::BoxBatch boxes;
     detail::BatchMemory memory;
 };
 
@@ -82,118 +70,47 @@ struct CollideBatch {
 
     [[nodiscard]] detail::BatchInput input() const noexcept { return {placed, pairs}; }
 
-    void look_at_types() {
-        data.types.resize(placed.shapes.size());
-        executor.parallel_for(data.types.size(), 256, [&](std::size_t begin, std::size_t end) {
-            unsigned char* const types = data.types.data();  // which may be anything's bytes: so pointers to what is read are kept
-            const Shape* const* const shapes = placed.shapes.data();
-            for (std::size_t k = begin; k < end; ++k)
-                types[k] = shapes[k] == nullptr ? kNoShape : static_cast<unsigned char>(shapes[k]->index());
-        });
-    }
+    [[nodiscard]] bool is_in_order() const { return alone && executor.thread_count() == 1; }
 
-    // Of the shapes that pairs name: the others' are looked at only because that is faster.
-    [[nodiscard]] bool poses_are_finite() const {
-        std::atomic<bool> finite{true};
-        executor.parallel_for(data.types.size(), 256, [&](std::size_t begin, std::size_t end) {
-            if (!detail::poses_are_finite(placed.poses.subspan(begin, end - begin))) finite.store(false, std::memory_order_relaxed);
-        });
-        return finite.load() || detail::named_poses_are_finite(input());
-    }
-
-    [[nodiscard]] detail::PairFault look_at_pair(std::size_t i) {
-        const NumberedPair& pair = pairs[i];
-        if (pair.a >= data.types.size() || pair.b >= data.types.size()) return {"collide: a pair names a shape beyond the last"};
-        const std::size_t a = data.types[pair.a], b = data.types[pair.b];
-        if (a == kNoShape || b == kNoShape) return {"collide: a shape is null"};
-        if (!is_finite(pair.margin)) return {"collide: the margin is not finite", ErrorCode::NotFinite};
-        if (pair.margin < 0.0f) return {"collide: the margin is negative"};
-        if (!is_finite(pair.slack)) return {"collide: the slack is not finite", ErrorCode::NotFinite};
-        if (pair.slack < 0.0f) return {"collide: the slack is negative"};
-        if (pair.last != kNewPair) {
-            if (alone || !data.memory.knows(pair)) return {"collide: `last` is not this pair in the batch before"};
-            if (last.size() != data.memory.manifold_count()) return {"collide: the manifolds are not those of the batch before"};
-        }
-        if (!detail::kernel_for(static_cast<ShapeType>(a), static_cast<ShapeType>(b)).exists()) {
-            return {"collide: two planes have no contact", ErrorCode::WrongType};
-        }
-        data.kinds[i] = static_cast<std::uint16_t>(kind_of(a, b));
-        return {};
-    }
-
-    // Whether nothing is wrong with a pair as such, nor unusual.
-    [[nodiscard]] static bool is_plain(const NumberedPair& p, std::size_t shapes) noexcept {
-        // Bits of floats from 0 up are in their order.
-        constexpr auto kMost = std::bit_cast<std::uint32_t>(std::numeric_limits<float>::max());
-        const auto margin = std::bit_cast<std::uint32_t>(p.margin), slack = std::bit_cast<std::uint32_t>(p.slack);
-        return std::max(p.a, p.b) < shapes && std::max(margin, slack) <= kMost && p.last == kNewPair;
-    }
-
-    // Of pairs [begin, end). @return whether all are fit.
-    [[nodiscard]] bool look_at_pairs(std::size_t begin, std::size_t end) {
-        const unsigned char* const types = data.types.data();
-        std::uint16_t* const kinds = data.kinds.data();
-        const NumberedPair* const all = pairs.data();
-        const std::size_t shapes = data.types.size();
-        std::size_t known = kKinds;  // a kind that has a kernel
-        for (std::size_t i = begin; i < end; ++i) {
-            if (is_plain(all[i], shapes) && kind_of(types[all[i].a], types[all[i].b]) == known) {
-                kinds[i] = static_cast<std::uint16_t>(known);
-                continue;
-            }
-            if (look_at_pair(i).what != nullptr) return false;
-            known = kinds[i];
-        }
-        return true;
-    }
-
-    // @return whether all pairs are fit as such; the poses are another matter.
-    [[nodiscard]] bool look_at_pairs() {
-        data.kinds.resize(pairs.size());
-        std::atomic<bool> good{true};
-        executor.parallel_for(pairs.size(), 1024, [&](std::size_t begin, std::size_t end) {
-            if (!look_at_pairs(begin, end)) good.store(false, std::memory_order_relaxed);
-        });
-        return good.load();
-    }
-
-    // Of the first pair that has one.
-    [[nodiscard]] detail::PairFault find_fault() {
-        for (std::size_t i = 0;; ++i) {
-            if (const detail::PairFault fault = look_at_pair(i); fault.what != nullptr) return fault;
-        }
+    // @return what is wrong; nothing has changed then. Of few boxes the manifolds are found by the way: `few` says whether they were.
+    [[nodiscard]] detail::PairFault look_at_all(bool& few) {
+        if (placed.shapes.size() != placed.poses.size()) return {"collide: shapes and poses differ in number"};
+        few = is_in_order() && detail::are_few_boxes(input());
+        if (!few) return data.kinds.find(input(), {alone ? nullptr : &data.memory, last.size()}, executor);
+        const bool proven = data.boxes.find(input());
+        return proven || detail::named_poses_are_finite(input()) ? detail::PairFault{} : detail::kPoseNotFinite;
     }
 
     // Calls `with(kind, begin, end)` for neighbouring pairs of one kind among [from, to): often many.
     template <class With>
     void for_runs(std::size_t from, std::size_t to, const With& with) const {
         for (std::size_t begin = from, end = from; begin < to; begin = end) {
-            const std::uint16_t kind = data.kinds[begin];
-            for (end = begin + 1; end < to && data.kinds[end] == kind; ++end) {
+            const std::uint16_t kind = data.kinds.of_pair[begin];
+            for (end = begin + 1; end < to && data.kinds.of_pair[end] == kind; ++end) {
             }
             with(std::size_t{kind}, begin, end);
         }
     }
 
     // Marks the pairs that need not be looked at, and counts the others by kind.
-    [[nodiscard]] std::array<std::size_t, kKinds + 1> count_kinds() {
+    [[nodiscard]] std::array<std::size_t, detail::kKinds + 1> count_kinds() {
         if (!alone) {
             data.memory.compare(placed, pairs, executor);
             for (std::size_t i = 0; i < pairs.size(); ++i) {
-                if (data.memory.reuses(i)) data.kinds[i] = kReused;
+                if (data.memory.reuses(i)) data.kinds.of_pair[i] = kReused;
             }
         }
-        std::array<std::size_t, kKinds + 1> counts{};
+        std::array<std::size_t, detail::kKinds + 1> counts{};
         for_runs(0, pairs.size(), [&](std::size_t kind, std::size_t begin, std::size_t end) { counts[kind] += end - begin; });
         return counts;
     }
 
     // Of the pairs [block, end) those that are to be run: a counting sort, stable, so neighbours in the order run the same kernel.
     void sort_by_kernel(std::size_t end) {
-        std::array<std::uint32_t, kKinds + 2> starts{};
+        std::array<std::uint32_t, detail::kKinds + 2> starts{};
         for_runs(block, end,
                  [&](std::size_t kind, std::size_t from, std::size_t to) { starts[kind + 1] += static_cast<std::uint32_t>(to - from); });
-        for (std::size_t k = 0; k <= kKinds; ++k) starts[k + 1] += starts[k];
+        for (std::size_t k = 0; k <= detail::kKinds; ++k) starts[k + 1] += starts[k];
         const std::size_t count = starts[kReused];
         data.order.resize(end - block);
         for_runs(block, end, [&](std::size_t kind, std::size_t from, std::size_t to) {
@@ -209,23 +126,18 @@ struct CollideBatch {
         detail::Workspace& workspace = detail::thread_workspace();
         const std::size_t end = std::min(data.order.size(), (index + 1) * kChunk);
         for (std::size_t k = index * kChunk; k < end;) {
-            const std::uint16_t kind = data.kinds[data.order[k]];
+            const std::uint16_t kind = data.kinds.of_pair[data.order[k]];
             std::size_t next = k + 1;
-            while (next < end && data.kinds[data.order[next]] == kind) ++next;
+            while (next < end && data.kinds.of_pair[data.order[next]] == kind) ++next;
             run_kind({data.order.data() + k, next - k}, static_cast<std::uint32_t>(index), workspace);
             k = next;
         }
     }
 
-    [[nodiscard]] static const detail::KernelEntry& kernel_of(std::size_t kind) noexcept {
-        constexpr std::size_t kTypes = static_cast<std::size_t>(kShapeTypeCount);
-        return detail::kernel_for(static_cast<ShapeType>(kind / kTypes), static_cast<ShapeType>(kind % kTypes));
-    }
-
     // Pairs of one kind, which are neighbours in the order.
     void run_kind(std::span<const std::uint32_t> chosen, std::uint32_t index, detail::Workspace& workspace) {
         Chunk& chunk = data.chunks[index];
-        const detail::KernelEntry& entry = kernel_of(data.kinds[chosen.front()]);
+        const detail::KernelEntry& entry = detail::kernel_of(data.kinds.of_pair[chosen.front()]);
         auto first = static_cast<std::uint32_t>(chunk.manifolds.size());
         if (entry.wide != nullptr) {
             entry.wide(input(), chosen, workspace, chunk.manifolds);
@@ -249,7 +161,7 @@ struct CollideBatch {
         for (std::size_t i = begin; i < end; ++i) {
             const Place& place = data.places[i - block];
             const std::size_t start = data.starts[i - block];
-            const bool reused = data.kinds[i] == kReused;
+            const bool reused = data.kinds.of_pair[i] == kReused;
             if (!reused) {
                 const Manifold* from = data.chunks[place.chunk].manifolds.data() + place.first;
                 std::copy(from, from + place.count, out + start);
@@ -277,7 +189,7 @@ struct CollideBatch {
         data.starts[0] = start;
         for (std::size_t i = block; i < end; ++i) {
             Place& place = data.places[i - block];
-            if (data.kinds[i] == kReused) {
+            if (data.kinds.of_pair[i] == kReused) {
                 const detail::PairRecord& record = data.memory.record(pairs[i]);
                 place = {0, 0, record.count, (record.state & detail::kUndecided) != 0};
             }
@@ -293,87 +205,34 @@ struct CollideBatch {
         return undecided;
     }
 
-    // Pairs of boxes alone, on this thread: their manifolds come in their order, and need no other place.
-    [[nodiscard]] bool are_boxes_in_order() const {
-        constexpr std::size_t kBox = static_cast<std::size_t>(ShapeType::Box);
-        return alone && executor.thread_count() == 1 &&
-               std::ranges::all_of(data.kinds, [](std::size_t kind) { return kind == kind_of(kBox, kBox); });
-    }
-    // The same of what is few and plain: they may be found before poses are looked at, which the kernel proves to be finite by the way.
-    [[nodiscard]] bool are_few_boxes() const {
-        if (!alone || executor.thread_count() != 1 || pairs.size() > kBlock) return false;
-        return std::ranges::all_of(pairs, [shapes = placed.shapes.data(), count = placed.shapes.size()](const NumberedPair& pair) {
-            if (!is_plain(pair, count)) return false;
-            const Shape *const a = shapes[pair.a], *const b = shapes[pair.b];
-            return a != nullptr && b != nullptr && std::holds_alternative<Box>(*a) && std::holds_alternative<Box>(*b);
-        });
-    }
-    // @return whether all poses are known to be finite.
-    bool run_boxes(detail::ManifoldList& found) {
-        bool proven = true;
-        found.clear();
-        for (std::size_t first = 0; first < pairs.size(); first += kBlock) {
-            data.order.resize(std::min(kBlock, pairs.size() - first));
-            std::iota(data.order.begin(), data.order.end(), static_cast<std::uint32_t>(first));
-            proven &= detail::box_box_proving(input(), data.order, detail::thread_workspace(), found);
-        }
-        return proven;
-    }
-
     // @return what is wrong; nothing has changed then.
     [[nodiscard]] detail::PairFault run(std::vector<Manifold>& out, CollideCounts& counts) {
-        if (placed.shapes.size() != placed.poses.size()) return {"collide: shapes and poses differ in number"};
-        if (are_few_boxes()) {
-            const bool proven = run_boxes(data.direct);
-            if (!proven && !detail::named_poses_are_finite(input())) return {kNotFinitePose, ErrorCode::NotFinite};
-            data.direct.exchange(out);
-            data.memory.forget();
-            return {};
-        }
-        look_at_types();
-        if (!look_at_pairs()) return find_fault();
-        if (!poses_are_finite()) return {kNotFinitePose, ErrorCode::NotFinite};
-        if (are_boxes_in_order()) {
-            detail::ManifoldList list;
-            list.exchange(out);
-            run_boxes(list);
-            list.exchange(out);
-            data.memory.forget();
+        bool few = false;
+        if (const detail::PairFault fault = look_at_all(few); fault.what != nullptr) return fault;
+        if (few) {
+            data.boxes.give(out);
+        } else if (is_in_order() && detail::are_boxes(data.kinds.of_pair)) {
+            data.boxes.find(input(), out);
         } else {
             counts = run_blocks(out);
         }
+        if (alone) data.memory.forget();
         return {};
     }
 
     // The same, with the manifolds of each pair to `take`. Alone: nothing is reused.
     [[nodiscard]] detail::PairFault run(TakeManifolds take, CollideCounts& counts) {
-        if (placed.shapes.size() != placed.poses.size()) return {"collide: shapes and poses differ in number"};
-        look_at_types();
-        const bool pairs_fit = look_at_pairs();
-        if (!poses_are_finite()) return {"collide: a pose is not finite", ErrorCode::NotFinite};
-        if (!pairs_fit) return find_fault();
-        if (are_boxes_in_order()) {
-            take_boxes(take);
+        bool few = false;
+        if (const detail::PairFault fault = look_at_all(few); fault.what != nullptr) return fault;
+        data.memory.forget();  // whatever `take` does
+        if (few) {
+            data.boxes.give(pairs.size(), take);
+        } else if (is_in_order() && detail::are_boxes(data.kinds.of_pair)) {
+            data.boxes.find(input(), take);
         } else {
             counts.undecided = take_blocks(take);
         }
-        data.memory.forget();
         return {};
-    }
-
-    void take_boxes(TakeManifolds take) {
-        for (std::size_t first = 0; first < pairs.size(); first += kBlock) {
-            data.order.resize(std::min(kBlock, pairs.size() - first));
-            std::iota(data.order.begin(), data.order.end(), static_cast<std::uint32_t>(first));
-            data.direct.clear();
-            detail::box_box(input(), data.order, detail::thread_workspace(), data.direct);
-            std::size_t next = 0;
-            for (const std::uint32_t i : data.order) {
-                const std::size_t from = next;
-                while (next < data.direct.size() && data.direct[next].pair == i) ++next;
-                take(i, {data.direct.data() + from, next - from});
-            }
-        }
     }
 
     // @return how many pairs are undecided.
@@ -393,7 +252,7 @@ struct CollideBatch {
     }
 
     // Makes room. @return how many pairs are run together.
-    std::size_t block_length(const std::array<std::size_t, kKinds + 1>& kinds) {
+    std::size_t block_length(const std::array<std::size_t, detail::kKinds + 1>& kinds) {
         const auto kinds_run =
             static_cast<std::size_t>(std::count_if(kinds.begin(), kinds.begin() + kReused, [](std::size_t n) { return n > 0; }));
         const std::size_t threads = static_cast<std::size_t>(executor.thread_count());
@@ -416,7 +275,7 @@ struct CollideBatch {
             found = data.starts[end - block];
         }
         out.resize(found);
-        alone ? data.memory.forget() : data.memory.finish(placed, out.size());
+        if (!alone) data.memory.finish(placed, out.size());
         return counts;
     }
 };

@@ -1,6 +1,7 @@
 // Many pairs at once.
 #include <carom/core/check.hpp>
 #include <carom/narrowphase/detail/convex_query.hpp>
+#include <carom/narrowphase/detail/finite_poses.hpp>
 #include <carom/narrowphase/detail/pair_lanes.hpp>
 
 #include <algorithm>

@@ -5,7 +5,7 @@
 #include <hwy/foreach_target.h>
 
 #include <carom/core/lanes.hpp>
-#include <carom/narrowphase/detail/pair_lanes.hpp>
+#include <carom/narrowphase/detail/finite_poses.hpp>
 
 HWY_BEFORE_NAMESPACE();
 namespace carom::detail::HWY_NAMESPACE {

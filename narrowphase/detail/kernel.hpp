@@ -71,7 +71,7 @@ struct Workspace;  // detail/workspace.hpp
 
 using Kernel = CollideStatus (*)(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);
 
-/// What kernels for many pairs see. Everything has been checked.
+/// What kernels for many pairs see. Everything has been checked, but for the poses where a kernel says that it proves them finite.
 struct BatchInput {
     PlacedShapes placed;
     std::span<const NumberedPair> pairs;

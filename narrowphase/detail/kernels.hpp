@@ -42,8 +42,8 @@ void box_plane_lanes(const BatchInput& input, std::span<const std::uint32_t> cho
 void capsule_box_lanes(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, ManifoldList& out);
 void box_box(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, ManifoldList& out);
 
-/// The same for poses that nobody has looked at. @return whether they are known to be finite, all of them; otherwise they may be too. Pairs of which
-/// one is not have no manifolds.
+/// The same for poses that nobody has looked at. @return whether they are known to be finite, all of them; otherwise they may be too. Pairs
+/// of which one is not have no manifolds.
 bool box_box_proving(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, ManifoldList& out);
 
 /// Two boxes by themselves, with the bits that they have among many.

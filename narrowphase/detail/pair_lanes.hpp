@@ -27,9 +27,6 @@ inline constexpr float kLaneRounding = 0x1p-16f;
 inline constexpr float kSmallestLaneSize = 0x1p-20f;
 inline constexpr float kLargestLaneSize = 0x1p30f;
 
-/// @return whether every number is finite.
-[[nodiscard]] bool poses_are_finite(std::span<const Pose> poses);
-
 /// Where two shapes are.
 struct LanePlace {
     const Pose* a = nullptr;

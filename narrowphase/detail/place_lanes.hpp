@@ -14,15 +14,12 @@
 
 #include <carom/core/lanes.hpp>
 #include <carom/narrowphase/detail/pair_lanes.hpp>
-
-#include <cstddef>
+#include <carom/narrowphase/detail/shape_layout.hpp>
 
 HWY_BEFORE_NAMESPACE();
 namespace carom::detail::HWY_NAMESPACE {
 
 using namespace carom::HWY_NAMESPACE;
-
-static_assert(offsetof(Pose, position) == 0 && offsetof(Pose, orientation) == 24 && sizeof(Pose) == 56, "seven doubles: x y z, x y z w");
 
 struct Placement {
     Floats rotation[3][3];  ///< [i][j]: component along axis i of A of axis j of B
@@ -122,8 +119,7 @@ HWY_INLINE Placement placement_of(const LaneRows<columns>& rows) {
             unit_a & unit_b & near};
 }
 
-// A box's half extents and a number that means nothing: a Box is the first member of a Shape, which is longer than four floats.
-static_assert(sizeof(Shape) >= 16 && sizeof(Box) == 12);
+// A box's half extents and a number that means nothing.
 HWY_INLINE void write_half(const vec3* half, float* row) {
 #if HWY_TARGET == HWY_SCALAR
     row[0] = half->x, row[1] = half->y, row[2] = half->z, row[3] = 0.0f;

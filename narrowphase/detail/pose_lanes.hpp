@@ -11,9 +11,8 @@
 #define CAROM_NARROWPHASE_POSE_LANES_HPP
 #endif
 
-#include <carom/collision/shapes.hpp>
 #include <carom/core/lanes_doubles.hpp>
-#include <carom/core/pose.hpp>
+#include <carom/narrowphase/detail/shape_layout.hpp>
 
 #include <cstddef>
 
@@ -21,8 +20,6 @@ HWY_BEFORE_NAMESPACE();
 namespace carom::detail::HWY_NAMESPACE {
 
 using namespace carom::HWY_NAMESPACE;
-
-static_assert(offsetof(Pose, position) == 0 && offsetof(Pose, orientation) == 24 && sizeof(Pose) == 56, "seven doubles: x y z, x y z w");
 
 struct WidePose {
     Doubles position[3];
@@ -67,8 +64,7 @@ HWY_INLINE WidePose read_poses(const Pose* const* poses) {
     return {{first[0], first[1], first[2]}, {second[0], second[1], second[2], second[3]}};
 }
 
-// The three floats at each pointer; a fourth is read and means nothing: a Box is the first member of a Shape, which is longer than four floats.
-static_assert(sizeof(Shape) >= 16 && sizeof(Box) == 12);
+// The three floats at each pointer; a fourth is read and means nothing.
 #if HWY_TARGET != HWY_SCALAR
 template <int lanes>
 HWY_INLINE auto blocks_at(const vec3* const* from) {

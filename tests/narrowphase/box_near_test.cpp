@@ -1,11 +1,12 @@
 // Which of many pairs of boxes come near, and how they lie: against the same in double, one pair at a time, and the same bits at every width.
+#include "box_crowd.hpp"
 #include "oracle.hpp"
 
 #include <carom/core/check.hpp>
 #include <carom/core/executor.hpp>
 #include <carom/core/simd_width.hpp>
 #include <carom/narrowphase/detail/box_lanes.hpp>
-#include <carom/narrowphase/detail/pair_lanes.hpp>
+#include <carom/narrowphase/detail/finite_poses.hpp>
 
 #include <gtest/gtest.h>
 
@@ -20,35 +21,7 @@ using namespace test;
 using detail::BoxesNear;
 using detail::BoxPairBlock;
 
-constexpr double kSize = 1.0;  // no half extent is longer
-
-// Pairs of boxes far from the origin, of which every seventh is of sizes that float does not take as they are.
-struct NearCrowd {
-    std::vector<Shape> shapes;
-    std::vector<const Shape*> placed;
-    std::vector<Pose> poses;
-    std::vector<NumberedPair> pairs;
-    std::vector<std::uint32_t> chosen;
-
-    explicit NearCrowd(std::size_t count) {
-        Random r(31);
-        for (std::size_t i = 0; i < count; ++i) {
-            const dvec3 here = random_direction(r) * std::pow(10.0, r.range(-3.0, 5.0));
-            for (int side = 0; side < 2; ++side) {
-                vec3 half{0.0f};
-                for (int k = 0; k < 3; ++k) half[k] = static_cast<float>(r.range(0.2, kSize));
-                if (i % 7 == 3 && side == 0) half *= 100.0f;
-                shapes.emplace_back(Box{half});
-                poses.push_back({here + random_direction(r) * r.range(0.0, 1.7), random_rotation(r)});
-            }
-            pairs.push_back({static_cast<std::uint32_t>(2 * i + i % 2), static_cast<std::uint32_t>(2 * i + 1 - i % 2),
-                             static_cast<float>(r.range(0.0, 0.1)), i % 3 == 0 ? 0.01f : 0.0f});
-            chosen.push_back(static_cast<std::uint32_t>(i));
-        }
-        for (const Shape& shape : shapes) placed.push_back(&shape);
-    }
-    [[nodiscard]] detail::BatchInput input() const { return {{placed, poses}, pairs}; }
-};
+constexpr double kSize = kSizeOfCrowd;
 
 // One pair in double, as the block should have it.
 struct Placed {
@@ -95,7 +68,7 @@ std::vector<Entry> entries_of(const BoxesNear& near) {
 }
 
 TEST(BoxNear, PairsAreListedInTheirOrderAsTheyLie) {
-    const NearCrowd crowd(BoxPairBlock::kPairs - 5);
+    const BoxCrowd crowd(BoxPairBlock::kPairs - 5);
     const auto near = std::make_unique<BoxesNear>();
     find_near_boxes(crowd.input(), crowd.chosen, *near);
     ASSERT_TRUE(near->faces.any_unusual);
@@ -144,7 +117,7 @@ void expect_same_block(const BoxPairBlock& block, const BoxPairBlock& expected, 
 }
 
 TEST(BoxNear, TheSameBitsAtEveryWidth) {
-    const NearCrowd crowd(BoxPairBlock::kPairs);
+    const BoxCrowd crowd(BoxPairBlock::kPairs);
     const auto expected = std::make_unique<BoxesNear>(), near = std::make_unique<BoxesNear>();
     for (const std::size_t count : {crowd.chosen.size(), std::size_t{37}, std::size_t{1}, std::size_t{0}}) {
         const auto chosen = std::span(crowd.chosen).last(count);
@@ -162,9 +135,30 @@ TEST(BoxNear, TheSameBitsAtEveryWidth) {
     }
 }
 
+// Edges that are better by rounding alone do not decide: what rests on a face has the face's normal.
+TEST(BoxNear, WhatRestsOnAFaceIsDecidedByIt) {
+    BoxCrowd crowd(BoxPairBlock::kPairs);
+    Random r(33);
+    for (std::size_t i = 0; i < crowd.chosen.size(); ++i) {
+        vec3 half[2];
+        for (std::size_t side = 0; side < 2; ++side) {
+            for (int k = 0; k < 3; ++k) half[side][k] = static_cast<float>(r.range(0.2, kSize));
+            crowd.shapes[2 * i + side] = Box{half[side]};
+        }
+        const Pose below = crowd.poses[2 * i];
+        const double height = static_cast<double>(half[0].y) + static_cast<double>(half[1].y) - r.range(0.0, 1e-3);
+        crowd.poses[2 * i + 1] = below * Pose{{r.range(-0.1, 0.1), height, r.range(-0.1, 0.1)}, about({0, 1, 0}, r.range(0.0, 6.0))};
+    }
+    const auto near = std::make_unique<BoxesNear>();
+    find_near_boxes(crowd.input(), crowd.chosen, *near);
+    EXPECT_EQ(near->edges.count, 0u);
+    ASSERT_EQ(near->faces.count, crowd.chosen.size());
+    for (std::size_t k = 0; k < near->faces.count; ++k) EXPECT_LT(near->faces.code[k], detail::kFirstEdge) << k;
+}
+
 // The kernel for all pairs is the oracle: it looks for points of faces too, and finds none.
 TEST(BoxNear, EdgesAloneAreWhatAllPointsGive) {
-    const NearCrowd crowd(BoxPairBlock::kPairs);
+    const BoxCrowd crowd(BoxPairBlock::kPairs);
     const auto near = std::make_unique<BoxesNear>();
     find_near_boxes(crowd.input(), crowd.chosen, *near);
     ASSERT_GT(near->edges.count, 5u);
@@ -192,69 +186,7 @@ TEST(BoxNear, EdgesAloneAreWhatAllPointsGive) {
     EXPECT_GT(points, 10u);
 }
 
-// What fills no bundle waits for the pairs after it, and few pairs are found before their poses are looked at: whatever is chosen, the manifolds are
-// those of one pair at a time.
-TEST(BoxNear, ManyAreThoseOfOneToTheBit) {
-    NearCrowd crowd(2500);
-    for (std::size_t i = 300; i < 700; ++i) {  // where none is unusual
-        for (std::size_t k = 2 * i; k < 2 * i + 2; ++k) crowd.shapes[k] = Box{{0.5f, 0.4f, 0.3f}};
-    }
-    SerialExecutor executor;
-    CollideScratch scratch;
-    std::vector<Manifold> all, expected;
-    for (const std::size_t count : {2500u, 1025u, 1024u, 690u, 129u, 128u, 16u, 1u, 0u}) {
-        expected.clear();
-        for (std::uint32_t i = 0; i < count; ++i) collide(crowd.input().pair(i), i, expected);
-        for (const int width : available_simd_widths()) {
-            set_simd_width(width);
-            collide({crowd.placed, crowd.poses}, std::span(crowd.pairs).first(count), executor, scratch, all);
-            set_simd_width(0);
-            ASSERT_EQ(all.size(), expected.size()) << count << ", width " << width;
-            EXPECT_TRUE(all.empty() || std::memcmp(all.data(), expected.data(), all.size() * sizeof(Manifold)) == 0)
-                << count << ", width " << width;
-        }
-    }
-    EXPECT_TRUE(expected.empty());
-}
-
-int g_refused = 0;
-void count_not_finite(const Error& error) { g_refused += error.code == ErrorCode::NotFinite ? 1 : 0; }
-
-void expect_nothing_changes(std::size_t count) {
-    const NearCrowd good(count);
-    SerialExecutor executor;
-    CollideScratch scratch;
-    std::vector<Manifold> out;
-    collide({good.placed, good.poses}, good.pairs, executor, scratch, out);
-    ASSERT_GT(out.size(), 100u);
-    const std::vector<Manifold> before = out;
-    const ErrorHandler handler = set_error_handler(count_not_finite);
-    const double wild[] = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),
-                           -std::numeric_limits<double>::infinity()};
-    for (std::size_t number = 0; number < 7; ++number) {
-        for (const double value : wild) {
-            for (const std::size_t shape : {std::size_t{6}, std::size_t{7}, std::size_t{20}, std::size_t{399}}) {
-                NearCrowd crowd = good;
-                crowd.placed.clear();
-                for (const Shape& s : crowd.shapes) crowd.placed.push_back(&s);
-                reinterpret_cast<double*>(&crowd.poses[shape])[number] = value;
-                g_refused = 0;
-                collide({crowd.placed, crowd.poses}, crowd.pairs, executor, scratch, out);
-                EXPECT_EQ(g_refused, 1);
-                ASSERT_EQ(out.size(), before.size());
-                ASSERT_EQ(std::memcmp(out.data(), before.data(), out.size() * sizeof(Manifold)), 0);
-            }
-        }
-    }
-    set_error_handler(handler);
-}
-
-// Of few boxes poses are looked at last: what is not finite changes nothing, whichever number it is.
-TEST(BoxNear, WhatIsNotFiniteChangesNothing) {
-    for (const std::size_t count : {200u, 1300u}) expect_nothing_changes(count);
-}
-
-void expect_not_listed(const NearCrowd& crowd, BoxesNear& near, std::size_t number) {
+void expect_not_listed(const BoxCrowd& crowd, BoxesNear& near, std::size_t number) {
     near = {};
     find_near_boxes(crowd.input(), crowd.chosen, near);
     for (const BoxPairBlock* block : {&near.faces, &near.edges}) {
@@ -267,87 +199,19 @@ void expect_not_listed(const NearCrowd& crowd, BoxesNear& near, std::size_t numb
 }
 
 TEST(BoxNear, WhatIsNotFiniteIsNotListedAndIsSeen) {
-    const NearCrowd good(BoxPairBlock::kPairs);
     const auto near = std::make_unique<BoxesNear>();
     const double wild[] = {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()};
     for (const int width : available_simd_widths()) {
         set_simd_width(width);
         for (std::size_t number = 0; number < 7; ++number) {
             for (const double value : wild) {
-                NearCrowd crowd = good;
-                crowd.placed.clear();
-                for (const Shape& s : crowd.shapes) crowd.placed.push_back(&s);
-                for (std::size_t k = 0; k < crowd.poses.size(); k += 1 + k % 5) reinterpret_cast<double*>(&crowd.poses[k])[number] = value;
+                BoxCrowd crowd(BoxPairBlock::kPairs);
+                for (std::size_t k = 0; k < crowd.poses.size(); k += 1 + k % 5) crowd.number_of(k, number) = value;
                 expect_not_listed(crowd, *near, number);
             }
         }
         set_simd_width(0);
     }
-}
-
-// Of one pose alone, of a pair that float takes as it is, whichever number it is.
-TEST(BoxNear, OneNumberThatIsNotFiniteIsRefusedAtEveryWidth) {
-    NearCrowd crowd(40);
-    SerialExecutor executor;
-    CollideScratch scratch;
-    std::vector<Manifold> out;
-    const ErrorHandler handler = set_error_handler(count_not_finite);
-    for (const int width : available_simd_widths()) {
-        set_simd_width(width);
-        for (std::size_t number = 0; number < 7; ++number) {
-            for (const double wild : {std::numeric_limits<double>::quiet_NaN(), -std::numeric_limits<double>::infinity()}) {
-                for (const std::size_t shape : {std::size_t{0}, std::size_t{41}, std::size_t{79}}) {
-                    double& changed = reinterpret_cast<double*>(&crowd.poses[shape])[number];
-                    const double before = changed;
-                    changed = wild;
-                    g_refused = 0;
-                    collide({crowd.placed, crowd.poses}, crowd.pairs, executor, scratch, out);
-                    EXPECT_EQ(g_refused, 1) << "number " << number << " of " << shape << ", width " << width;
-                    changed = before;
-                }
-            }
-        }
-        set_simd_width(0);
-    }
-    set_error_handler(handler);
-}
-
-// Says that it has three threads, and so takes the way of those.
-class ThreeThreads final : public Executor {
-public:
-    [[nodiscard]] int thread_count() const noexcept override { return 3; }
-    void parallel_for(std::size_t count, std::size_t, Body body) override {
-        if (count > 0) body(0, count);
-    }
-};
-
-// What no pair names may lie anywhere, however many pairs and threads there are; huge numbers that are finite are no misuse.
-TEST(BoxNear, OnlyPosesThatPairsNameAreLookedAt) {
-    const ErrorHandler handler = set_error_handler(count_not_finite);
-    SerialExecutor one;
-    ThreeThreads three;
-    for (const std::size_t count : {200u, 1300u}) {
-        for (Executor* executor : {static_cast<Executor*>(&one), static_cast<Executor*>(&three)}) {
-            NearCrowd crowd(count);
-            CollideScratch scratch;
-            std::vector<Manifold> expected, out;
-            collide({crowd.placed, crowd.poses}, crowd.pairs, *executor, scratch, expected);
-            const Shape box = Box{{0.5f, 0.5f, 0.5f}};
-            crowd.placed.push_back(&box);
-            crowd.poses.push_back({dvec3(std::numeric_limits<double>::quiet_NaN()), kIdentityRotation});
-            g_refused = 0;
-            collide({crowd.placed, crowd.poses}, crowd.pairs, *executor, scratch, out);
-            EXPECT_EQ(g_refused, 0);
-            ASSERT_EQ(out.size(), expected.size());
-            EXPECT_EQ(std::memcmp(out.data(), expected.data(), out.size() * sizeof(Manifold)), 0);
-            crowd.poses.back() = {dvec3(1e300), kIdentityRotation};
-            crowd.pairs.push_back({0, static_cast<std::uint32_t>(crowd.placed.size() - 1), 0.0f});
-            collide({crowd.placed, crowd.poses}, crowd.pairs, *executor, scratch, out);
-            EXPECT_EQ(g_refused, 0);
-            EXPECT_EQ(out.size(), expected.size());
-        }
-    }
-    set_error_handler(handler);
 }
 
 TEST(FinitePoses, EveryNumberCounts) {
