@@ -59,9 +59,10 @@ struct AxisSearch {
         edge_square = select(better, square, edge_square);
         edge_code = select(better, Ints(number), edge_code);
     }
+    /// Of a square beyond the range of floats nothing is known: faces decide alone.
     HWY_INLINE Floats edge_separation() const {
-        const Floats size = sqrt(abs(edge_square));
-        return select(edge_square < Floats(0.0f), -size, size);
+        const Floats size = sqrt(abs(edge_square)), never(std::numeric_limits<float>::infinity());
+        return select(edge_square < never, select(edge_square < Floats(0.0f), -size, size), -never);
     }
 };
 
@@ -113,7 +114,7 @@ HWY_INLINE BestAxis best_axis(const WidePair& p) {
     try_faces(n, best);
     try_edges(n, best);
     const Floats edge_separation = best.edge_separation();
-    const Mask apart = (max(best.separation, edge_separation) > limit) | (n.t[0] != n.t[0]);
+    const Mask apart = max(best.separation, edge_separation) > limit;
     const Mask by_edge = edge_separation > best.separation + Floats(kWidePreference) * most;
     return {select(by_edge, edge_separation, best.separation), select(apart, Ints(kApart), select(by_edge, best.edge_code, best.code)),
             apart};

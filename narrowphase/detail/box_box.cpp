@@ -14,6 +14,7 @@
 #include <iterator>
 #include <limits>
 #include <span>
+#include <utility>
 
 namespace carom::detail {
 namespace {
@@ -70,7 +71,8 @@ void place_unusual(const ShapePair& pair, BoxPairBlock& block, std::size_t at) {
     block.unit[at] = static_cast<float>(unit);
 }
 
-// Some pairs, on their way through the kernels. Their manifolds have a place each, in the order of the pairs, before it is known whether there is one.
+// Some pairs, on their way through the kernels. Their manifolds have a place each, in the order of the pairs, before it is known whether there
+// is one.
 struct Work {
     BoxesNear near;
     BoxPatchBundle patch{};
@@ -78,12 +80,11 @@ struct Work {
     ManifoldList corner;    // of a pair that touches corner to corner
     bool any_hole = false;  // a place of no manifold: one without points
 
-    Work() { clear_ways(), clear_ways_of(near.edges); }
+    Work() { clear_ways_of(near.faces), clear_ways_of(near.edges); }
     static void clear_ways_of(BoxPairBlock& block) noexcept {
         for (BoxPairBlock::Column& centre : block.centre) std::fill(std::begin(centre), std::end(centre), 0.0f);
         std::fill(std::begin(block.unit), std::end(block.unit), 1.0f);
     }
-    void clear_ways() noexcept { clear_ways_of(near.faces); }
 
     // Pairs that float cannot take as they are.
     void place_all_unusual(const BatchInput& input, BoxLanes lanes) {
@@ -105,70 +106,68 @@ struct Work {
         }
     }
 
-    // Says which places of `out`, from `first` on, the manifolds of a bundle go to, and fills those that need more than lanes.
-    void assign_places(const BatchInput& input, const BoxPairBlock& block, std::size_t bundle, std::size_t first, Workspace& workspace,
-                       ManifoldList& out) {
+    // What a call is about: manifolds go to `out` from place `first` on.
+    struct Call {
+        const BatchInput& input;
+        Workspace& workspace;
+        ManifoldList& out;
+        std::size_t first;
+        BoxLanes lanes;
+    };
+
+    // Says which places the manifolds of a bundle go to, and fills those that need more than lanes.
+    void assign_places(const Call& call, const BoxPairBlock& block, std::size_t bundle) {
         for (std::size_t lane = 0; lane < kBundleWidth; ++lane) {
             const std::size_t i = bundle * kBundleWidth + lane;
             const bool is_near = i < block.count && block.code[i] != kApart, is_patch = is_near && patch.count.lane[lane] > 0;
-            to.lane[lane] = is_patch ? static_cast<std::int32_t>(first) + block.place[i] : kNoManifold;
+            to.lane[lane] = is_patch ? static_cast<std::int32_t>(call.first) + block.place[i] : kNoManifold;
             if (is_patch || i >= block.count) continue;
-            const std::size_t place = first + static_cast<std::size_t>(block.place[i]);
-            // The axes lie within the margin, but the faces are not over each other: corner to corner or corner to edge. The true
-            // distance decides.
+            const std::size_t place = call.first + static_cast<std::size_t>(block.place[i]);
+            // The axes lie within the margin, but what is nearest along them is no point of both: corner to corner, corner to edge, or a
+            // corner beside a face. The true distance decides.
             corner.clear();
             const auto pair = static_cast<std::uint32_t>(block.pair[i]);
-            if (is_near) run_pair(input.pair(pair), {box_box_alone, nullptr, false}, pair, workspace, corner);
+            if (is_near) run_pair(call.input.pair(pair), {box_box_alone, nullptr, false}, pair, call.workspace, corner);
             if (corner.size() > 0) {
-                out.data()[place] = corner[0];
+                call.out.data()[place] = corner[0];
             } else {
-                out.data()[place].count = 0;
+                call.out.data()[place].count = 0;
                 any_hole = true;
             }
         }
     }
 
-    void finish_faces(const BatchInput& input, std::size_t bundles, std::size_t first, Workspace& workspace, ManifoldList& out,
-                      BoxLanes lanes) {
+    // Of full bundles of a block, or of all that it has: what waits besides stays.
+    // @param build, write  the kernels of its kind of pairs.
+    void finish(BoxPairBlock& block, bool all, decltype(build_box_patch)& build, decltype(write_box_manifolds)& write, const Call& call) {
+        const std::size_t bundles = all ? bundle_count(block.count) : block.count / kBundleWidth;
         for (std::size_t bundle = 0; bundle < bundles; ++bundle) {
-            build_box_patch(near.faces, bundle, patch, lanes);
-            assign_places(input, near.faces, bundle, first, workspace, out);
-            write_box_manifolds(near.faces, bundle, patch, to, out.data(), lanes);
+            build(block, bundle, patch, call.lanes);
+            assign_places(call, block, bundle);
+            write(block, bundle, patch, to, call.out.data(), call.lanes);
         }
-        near.faces.drop_before(bundles);
-    }
-    void finish_edges(const BatchInput& input, std::size_t bundles, std::size_t first, Workspace& workspace, ManifoldList& out,
-                      BoxLanes lanes) {
-        for (std::size_t bundle = 0; bundle < bundles; ++bundle) {
-            build_edge_patch(near.edges, bundle, patch, lanes);
-            assign_places(input, near.edges, bundle, first, workspace, out);
-            write_edge_manifolds(near.edges, bundle, patch, to, out.data(), lanes);
-        }
-        near.edges.drop_before(bundles);
+        block.drop_before(bundles);
     }
 
     // Pairs that are boxes all. Those near that fill no bundle wait for what comes after. @return whether the poses are known to be finite.
     bool collide(const BatchInput& input, std::span<const std::uint32_t> chosen, Workspace& workspace, ManifoldList& out, BoxLanes lanes) {
-        const std::size_t first = out.size();
+        const Call call{input, workspace, out, out.size(), lanes};
         near.faces.count = near.edges.count = 0;
         near.listed = 0;
         near.all_finite = true;
         any_hole = false;
         for (std::size_t begin = 0; begin < chosen.size(); begin += kBlock) {
             const std::size_t end = std::min(begin + kBlock, chosen.size());
-            near.faces.any_unusual = false;
+            if (std::exchange(near.faces.any_unusual, false)) clear_ways_of(near.faces);  // of the block before, maybe of a call that threw
             find_near_boxes(input, chosen.subspan(begin, end - begin), near, lanes);
             if (near.faces.any_unusual) place_all_unusual(input, lanes);
-            out.add_unwritten(first + static_cast<std::size_t>(near.listed) - out.size());
+            out.add_unwritten(call.first + static_cast<std::size_t>(near.listed) - out.size());
             const bool last = end == chosen.size();
-            const auto ready = [](const BoxPairBlock& block, bool all) {
-                return all ? bundle_count(block.count) : block.count / kBundleWidth;
-            };
-            finish_faces(input, ready(near.faces, last || near.faces.any_unusual), first, workspace, out, lanes);
-            finish_edges(input, ready(near.edges, last), first, workspace, out, lanes);
-            if (near.faces.any_unusual) clear_ways();
+            // Unusual pairs do not wait: they would take their ways with them.
+            finish(near.faces, last || near.faces.any_unusual, build_box_patch, write_box_manifolds, call);
+            finish(near.edges, last, build_edge_patch, write_edge_manifolds, call);
         }
-        if (any_hole) close_holes(first, out);
+        if (any_hole) close_holes(call.first, out);
         return near.all_finite;
     }
 

@@ -1,8 +1,8 @@
 // Many pairs of boxes at once: how they lie side by side, and the kernels that work on them, sixteen at a time.
 //
-//   find_near_boxes(input, chosen, block);          // brings pairs together; which axis separates most; keeps what is not apart
-//   build_box_patch(block, bundle, patch);          // the points of sixteen of those
-//   write_box_manifolds(block, bundle, patch, to, manifolds);
+//   find_near_boxes(input, chosen, near);           // brings pairs together; which axis separates most; lists what is not apart
+//   build_box_patch(near.faces, bundle, patch);     // the points of sixteen of those; build_edge_patch() of near.edges
+//   write_box_manifolds(near.faces, bundle, patch, to, manifolds);
 //
 // Everything is float, in the frame of the first box about its centre. A box that is much larger than the other was cut to the
 // neighbourhood of the other before it was rounded (box_box.cpp), so that lengths differ by little and a float's rounding is 6e-8 of
@@ -19,8 +19,8 @@
 
 namespace carom::detail {
 
-/// Which lanes of the bundles are worked on. A pair by itself, in the first lane, has the narrowest lanes for itself: fewer of them work for
-/// nothing, and the bits are the same. What is in the lanes beyond means nothing then.
+/// Which lanes of the bundles are worked on. A pair by itself, in the first lane, has the narrowest lanes for itself: fewer of them work
+/// for nothing, and the bits are the same. What is in the lanes beyond means nothing then.
 enum class BoxLanes { All, First };
 
 /// Codes of axes: faces of A are 0..2, faces of B 3..5, edge i of A with edge j of B is 6 + 3 i + j.
@@ -60,11 +60,12 @@ struct BoxesNear {
     BoxPairBlock faces;
     BoxPairBlock edges;       ///< they meet by two edges alone, whose crossing is their one point
     std::int32_t listed = 0;  ///< in both: the next place
-    bool all_finite = true;   ///< the poses of all pairs that were looked at, but of unusual ones; false proves nothing
+    bool all_finite = true;   ///< the poses of all pairs that were looked at, but of unusual ones, of which the caller finds out; false
+                              ///< proves nothing
 };
 
-/// Codes of candidates: corner k of B's face is k, corner k of A's is 4 + k, edge k of B's face across side s of A's is 8 + 4 s + k, and the
-/// two edges of an edge axis are 24. Corners of a face run (+,+), (-,+), (-,-), (+,-) in its axes p and q, the two after its own;
+/// Codes of candidates: corner k of B's face is k, corner k of A's is 4 + k, edge k of B's face across side s of A's is 8 + 4 s + k, and
+/// the two edges of an edge axis are 24. Corners of a face run (+,+), (-,+), (-,-), (+,-) in its axes p and q, the two after its own;
 /// edge k goes from corner k to k + 1; sides are p+, p-, q+, q-.
 inline constexpr std::int32_t kCornerOfA = 4;
 inline constexpr std::int32_t kCrossing = 8;
@@ -104,8 +105,8 @@ void find_box_axes(BoxPairBlock& block, std::size_t bundle, BoxLanes lanes = Box
 
 /// The faces that look at each other most, cut against each other in the plane across the axis: both become parallelograms there, and
 /// in the coordinates of A's, a square against a parallelogram. Up to four points are kept, as reduce_points() does.
-/// A count of 0 means that the faces do not lie over each other within the margin: corner to corner or
-/// corner to edge, which only the distance decides. Of pairs that are apart it means nothing.
+/// A count of 0 means that the faces do not lie over each other within the margin, or not where they are nearest along the axis: corner to
+/// corner, corner to edge, or a corner beside a face, which only the distance decides. Of pairs that are apart it means nothing.
 void build_box_patch(const BoxPairBlock& block, std::size_t bundle, BoxPatchBundle& patch, BoxLanes lanes = BoxLanes::All);
 
 /// The same of pairs that meet by edges alone: the first point of the patch, or none.

@@ -93,8 +93,7 @@ HWY_INLINE Mask is_unusual(const WideBoxes& boxes, Floats margin) {
     const Floats most_a = longest(boxes.half_a), most_b = longest(boxes.half_b), most = max(most_a, most_b), reach(kUnusualRatio);
     const Mask sizes = (most_a > reach * (length(boxes.half_b) + margin)) | (most_b > reach * (length(boxes.half_a) + margin));
     const Floats distance = longest({abs(boxes.between.x), abs(boxes.between.y), abs(boxes.between.z)});
-    return (margin != margin) | sizes | (most <= Floats(kSmallestUsual)) | (most >= Floats(kLargestUsual)) |
-           (distance > Floats(kMostDistance));
+    return sizes | (most <= Floats(kSmallestUsual)) | (most >= Floats(kLargestUsual)) | (distance > Floats(kMostDistance));
 }
 
 HWY_INLINE WidePair pair_of(const WideBoxes& boxes, Floats margin) {
@@ -115,8 +114,8 @@ HWY_INLINE Mask is_finite(const WidePair& pair) {
     return abs(all) < Floats(std::numeric_limits<float>::infinity());
 }
 
-// Whether no points of faces are looked for: edges decide, and neither face is square to the normal nor do both face it. Where rounding has it
-// otherwise than build_box_patch(), either is right.
+// Whether no points of faces are looked for: edges decide, and neither face is square to the normal nor do both face it. Where rounding has
+// it otherwise than build_box_patch(), either is right.
 HWY_INLINE Mask by_edges_alone(const WidePair& pair, Ints code) {
     const Ints edge = code - Ints(kFirstEdge);
     const Mask is_edge = edge >= Ints(0), i0 = edge < Ints(3), i1 = edge < Ints(6);

@@ -283,13 +283,28 @@ HWY_INLINE void write_directions(const Floats3& n, const Floats3& n_b, const Fac
     store(f.axis_b.number(), out.face_b.lane + lane);
 }
 
-void build_patch(const BoxPairBlock& in, std::size_t at, BoxPatchBundle& out, int lane) {
+/// A pair seen along its normal.
+struct Seen {
+    Pair p;
+    EdgeAxis edges;
+    Floats3 n, n_b;  ///< along A's axes and B's
+    Faces f;
+    Floats separation, tolerance;
+
+    HWY_INLINE WidePoint edge_crossing() const { return edge_point(p, edges, n, n_b, separation, tolerance, f); }
+};
+HWY_INLINE Seen look(const BoxPairBlock& in, std::size_t at) {
     const Pair p = read_pair(in, at);
     const Ints code = load(in.code + at);
     const EdgeAxis edges = edge_axis(p, code);
     const Floats3 n = contact_normal(p, code, edges);
     const Floats3 n_b{dot(n, p.column[0]), dot(n, p.column[1]), dot(n, p.column[2])};
-    const Faces f = make_faces(p, n, n_b);
+    return {p, edges, n, n_b, make_faces(p, n, n_b), load(in.separation + at), point_tolerance(p)};
+}
+
+void build_patch(const BoxPairBlock& in, std::size_t at, BoxPatchBundle& out, int lane) {
+    const Seen seen = look(in, at);
+    const auto& [p, edges, n, n_b, f, separation, tolerance] = seen;
 
     // Boxes that cross edges share points of their faces only where those face the normal: see share_points().
     const Floats facing_a = abs(f.normal.x), facing_b = abs(f.axis_b.cycled(n_b).x);
@@ -297,9 +312,8 @@ void build_patch(const BoxPairBlock& in, std::size_t at, BoxPatchBundle& out, in
     const Mask share = (!edges.any) | square | (min(facing_a, facing_b) > Floats(static_cast<float>(kFacingCosine)));
     WideCandidates candidates;
     add_face_points(f, share, p.margin, candidates);
-    const Floats tolerance = point_tolerance(p);
     if (any(edges.any)) {
-        const WidePoint point = edge_point(p, edges, n, n_b, load(in.separation + at), tolerance, f);
+        const WidePoint point = seen.edge_crossing();
         candidates.add(point.u, point.w, point.separation, exists(point), point.code);
     }
 
@@ -308,21 +322,19 @@ void build_patch(const BoxPairBlock& in, std::size_t at, BoxPatchBundle& out, in
     const Floats3 start{zero, select(is_1, slant, one), select(is_1, one, slant)};
     const WideChoice chosen = choose_points(candidates, tolerance, dot(start, f.across_u), start.z * f.across_w.z);
     write_points<4>(p, f, chosen.points, out, lane);
-    store(chosen.count, out.count.lane + lane);
+    // Where the corner that is nearest along the axis lies beside the other's face, all points that are left are farther apart than the
+    // boxes may be.
+    const Mask reaches = chosen.lowest <= separation + tolerance;
+    store(select(reaches, chosen.count, Ints(0)), out.count.lane + lane);
     write_directions(n, n_b, f, out, lane);
 }
 
 void build_patch_of_edges(const BoxPairBlock& in, std::size_t at, BoxPatchBundle& out, int lane) {
-    const Pair p = read_pair(in, at);
-    const Ints code = load(in.code + at);
-    const EdgeAxis edges = edge_axis(p, code);
-    const Floats3 n = contact_normal(p, code, edges);
-    const Floats3 n_b{dot(n, p.column[0]), dot(n, p.column[1]), dot(n, p.column[2])};
-    const Faces f = make_faces(p, n, n_b);
-    const WidePoint point[1] = {edge_point(p, edges, n, n_b, load(in.separation + at), point_tolerance(p), f)};
-    write_points<1>(p, f, point, out, lane);
+    const Seen seen = look(in, at);
+    const WidePoint point[1] = {seen.edge_crossing()};
+    write_points<1>(seen.p, seen.f, point, out, lane);
     store(select(exists(point[0]), Ints(1), Ints(0)), out.count.lane + lane);
-    write_directions(n, n_b, f, out, lane);
+    write_directions(seen.n, seen.n_b, seen.f, out, lane);
 }
 
 void BuildPatch(const BoxPairBlock& block, std::size_t bundle, BoxPatchBundle& patch, int lanes) {

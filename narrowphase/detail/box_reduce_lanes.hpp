@@ -35,8 +35,8 @@ HWY_INLINE WidePoint select(Mask m, const WidePoint& yes, const WidePoint& no) {
     return {select(m, yes.u, no.u), select(m, yes.w, no.w), select(m, yes.separation, no.separation), select(m, yes.code, no.code)};
 }
 
-/// At most 17 points: 4 + 4 corners, 8 crossings, 1 pair of edges. Lanes in which a point is not valid have an infinite separation, and NaN for u, so
-/// that no score of theirs is better than another.
+/// At most 17 points: 4 + 4 corners, 8 crossings, 1 pair of edges. Lanes in which a point is not valid have an infinite separation, and NaN
+/// for u, so that no score of theirs is better than another.
 struct WideCandidates {
     static constexpr std::size_t kRoom = 17;
     RawFloats u[kRoom], w[kRoom], separation[kRoom];
@@ -51,8 +51,8 @@ struct WideCandidates {
     }
 };
 
-/// The valid point with the largest score so far, if that is over what it began with. Ties go to the first. Scores that u has a part in, which
-/// is NaN for points that are not valid.
+/// The valid point with the largest score so far, if that is over what it began with. Ties go to the first. Scores have a part of u, or are
+/// less the separation: NaN or -infinity for points that are not valid.
 struct WideBest {
     Floats least;
     WidePoint point = no_point();
@@ -86,6 +86,7 @@ struct WideArea {
 struct WideChoice {
     WidePoint points[4];
     Ints count;
+    Floats lowest;  ///< separation of all that there were to choose from; kNever: there were none
 };
 
 /// What reduce_points() (reduce.hpp) chooses, for each lane.
@@ -124,7 +125,7 @@ HWY_INLINE WideChoice choose_points(const WideCandidates& all, Floats tolerance,
 
     const Ints zero(0), one(1);
     const Ints count = (select(exists(a), one, zero) + select(has_b, one, zero)) + (select(has_c, one, zero) + select(has_d, one, zero));
-    WideChoice out{{a, b, c, d}, count};
+    WideChoice out{{a, b, c, d}, count, lowest};
     const Mask used[4] = {exists(a), has_b, has_c, has_d};
 
     // The deepest point takes the place of the nearest, or a free one.

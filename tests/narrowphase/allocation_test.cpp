@@ -1,4 +1,5 @@
-// The batch allocates nothing once it is warm.
+// The batch allocates nothing once it is warm, and outlives want of memory.
+#include "box_crowd.hpp"
 #include "oracle.hpp"
 
 #include <carom/collision/compound.hpp>
@@ -7,6 +8,8 @@
 
 #include <gtest/gtest.h>
 #include <support/count_allocations.hpp>
+
+#include <cstring>
 
 namespace carom {
 namespace {
@@ -60,6 +63,26 @@ TEST(Allocation, ABatchHoldsNoMoreThanABlockOfItsPairs) {
     const long few = held(4'000), many = held(20'000);
     EXPECT_LT(few, 64 * 4'000);
     EXPECT_LT(many - few, 4 * 16'000);
+}
+
+// What a thread keeps of a batch that ran out of memory has no part in the next.
+TEST(Allocation, WantOfMemoryChangesNoLaterBatch) {
+    const BoxCrowd crowd(400);
+    std::vector<Manifold> expected;
+    for (std::uint32_t i = 0; i < 3; ++i) collide(crowd.input().pair(i), i, expected);  // none of them unusual
+    SerialExecutor executor;
+    std::vector<Manifold> out;
+    {
+        CollideScratch scratch;
+        g_most_allocated = 10'000;  // shapes' types and such, but not the manifolds
+        EXPECT_THROW(collide({crowd.placed, crowd.poses}, crowd.pairs, executor, scratch, out), std::bad_alloc);
+        g_most_allocated = SIZE_MAX;
+    }
+    CollideScratch scratch;
+    collide({crowd.placed, crowd.poses}, std::span(crowd.pairs).first(3), executor, scratch, out);
+    ASSERT_EQ(out.size(), expected.size());
+    ASSERT_GT(out.size(), 0u);
+    EXPECT_EQ(std::memcmp(out.data(), expected.data(), out.size() * sizeof(Manifold)), 0);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 
 #include <carom/core/executor.hpp>
 #include <carom/core/simd_width.hpp>
+#include <carom/narrowphase/distance.hpp>
 
 #include <gtest/gtest.h>
 
@@ -116,8 +117,10 @@ TEST(BoxBox, DeepInsideAHugeBoxTheNearestSideDecides) {
 TEST(BoxBox, ScalingScalesTheAnswer) {
     Random random(42);
     for (int i = 0; i < 300; ++i) {
-        const Box a{random_half(random)}, b{random_half(random)};
-        const Pose local = random_pose(random, i % 4);
+        const float by = i % 8 < 4 ? 1.0f : 0.25f;  // small ones are never much longer than what the other and the margin reach
+        const Box a{by * random_half(random)}, b{by * random_half(random)};
+        Pose local = random_pose(random, i % 4);
+        local.position *= static_cast<double>(by);
         const std::vector<Manifold> one = collide_all(a, {}, b, local, 0.0625f);
         for (const int exponent : {-100, -40, -21, 19, 60, 96}) {
             const float s = std::ldexp(1.0f, exponent);
@@ -133,13 +136,14 @@ TEST(BoxBox, ScalingScalesTheAnswer) {
     }
 }
 
-// Edges that are parallel but for an angle from 1e-9 to 1e-1 about every axis: axes whose length is all rounding must not decide.
+// Edges that are parallel but for an angle from 1e-24 to 1e-1 about every axis: axes whose length is all rounding must not decide, nor
+// those whose squares are below what floats hold.
 TEST(BoxBox, NearlyParallelEdgesKeepTheirDepth) {
     Random random(44);
     for (int i = 0; i < 6000; ++i) {
         const Box a{random_half(random)}, b{random_half(random)};
         const Pose pa{random_direction(random) * 3.0, random_rotation(random)};
-        const double angle = std::pow(10.0, random.range(-9.0, -1.0));
+        const double angle = std::pow(10.0, random.range(i % 2 == 0 ? -9.0 : -24.0, -1.0));
         const Pose local{random_direction(random) * random.range(0.3, 1.5), about(random_direction(random), angle)};
         const Pose pb = pa * local;
         const Separation truth = greatest_separation(solid_of(a, pa, pa.position), solid_of(b, pb, pa.position));
@@ -159,6 +163,48 @@ TEST(BoxBox, EdgesThatCrossBeyondTheirEndsHaveNoPointThere) {
             for (const ContactPoint& p : m.used()) {
                 for (int k = 0; k < 3; ++k) EXPECT_LE(std::abs(p.position[k]), a.half_extents[k] + margin) << margin;
             }
+        }
+    }
+}
+
+// Whether a face, two edges or corners are nearest: also where the nearest corner lies beside the face along whose normal the two are farthest
+// apart, and other corners over it.
+TEST(BoxBox, WhatIsApartIsAsFarAsItSays) {
+    Random random(47);
+    int apart = 0, few = 0;
+    for (int i = 0; i < 60000; ++i) {
+        const bool cubes = i % 2 == 0;
+        const Box a{cubes ? vec3{0.5f} : random_half(random)}, b{cubes ? vec3{0.5f} : random_half(random)};
+        const Pose pa{random_direction(random) * 3.0, random_rotation(random)};
+        const double turn = i % 4 < 2 ? 3.0 : std::pow(10.0, random.range(-7.0, 0.0));
+        const Pose pb = pa * Pose{random_direction(random) * random.range(0.5, 2.0), about(random_direction(random), turn)};
+        const double distance = carom::distance(a, pa, b, pb).upper;
+        if (!(distance > 0.0)) continue;
+        const std::vector<Manifold> m = collide_all(a, pa, b, pb, 0.1f);
+        if (m.empty()) {
+            EXPECT_GT(distance, 0.1 - 4e-6) << i;
+            continue;
+        }
+        ++apart;
+        few += m[0].count < 3 ? 1 : 0;
+        EXPECT_NEAR(static_cast<double>(least_separation(m[0])), distance, 4e-6) << i;
+    }
+    EXPECT_GT(apart, 3000);
+    EXPECT_GT(few, 1000);
+}
+
+// Squares of separations leave the range of floats: what is within the margin is found, in batches too.
+TEST(BoxBox, WhatIsVeryFarIsFoundWithinItsMargin) {
+    const dquat qa = glm::normalize(dquat(0.9, 0.3, 0.2, 0.1)), qb = glm::normalize(dquat(0.5, -0.4, 0.6, 0.2));
+    for (const float half : {1.0f, 1e-12f, 1e-20f, 1e-25f}) {
+        for (const double far : {1e3, 1e15, 1e18, 1e19, 3e19, 1e25, 9e29, 2e30, 1e35, 2e38}) {
+            const dvec3 way = far > 1e38 ? dvec3{far, far, 0.0} : far * dvec3{0.6, 0.64, 0.48};
+            const double length = std::sqrt(glm::dot(way, way));
+            const auto margin = static_cast<float>(std::min(2.0 * length, 3.4e38));
+            const std::vector<Manifold> m = collide_all(Box{vec3{half}}, {{}, qa}, Box{vec3{0.9f, 0.8f, 0.7f} * half}, {way, qb}, margin);
+            ASSERT_EQ(m.size(), 1u) << half << ' ' << far;
+            EXPECT_GT(least_separation(m[0]), 0.99 * (length - 2.0 * static_cast<double>(half)) - 2.0) << half << ' ' << far;
+            EXPECT_LT(least_separation(m[0]), 1.01 * length) << half << ' ' << far;
         }
     }
 }
