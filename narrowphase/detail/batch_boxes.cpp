@@ -25,9 +25,12 @@ bool are_boxes(std::span<const std::uint16_t> kinds) noexcept {
 
 // Of a block from pair `begin` on.
 bool BoxBatch::find(const BatchInput& input, std::size_t begin, ManifoldList& found) {
-    order_.resize(std::min(kBoxBlock, input.pairs.size() - begin));
-    std::iota(order_.begin(), order_.end(), static_cast<std::uint32_t>(begin));
-    return box_box_proving(input, order_, thread_workspace(), found);
+    if (order_.empty() || order_.front() != begin) {
+        order_.resize(kBoxBlock);
+        std::iota(order_.begin(), order_.end(), static_cast<std::uint32_t>(begin));
+    }
+    const std::size_t count = std::min(kBoxBlock, input.pairs.size() - begin);
+    return box_box_proving(input, std::span(order_).first(count), thread_workspace(), found);
 }
 
 void BoxBatch::give(std::size_t begin, std::size_t end, TakeManifolds take) const {

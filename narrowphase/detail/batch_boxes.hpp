@@ -37,7 +37,7 @@ private:
     bool find(const BatchInput& input, std::size_t begin, ManifoldList& found);
     void give(std::size_t begin, std::size_t end, TakeManifolds take) const;
 
-    std::vector<std::uint32_t> order_;  // of a block's pairs: as they come
+    std::vector<std::uint32_t> order_;  // numbers of a block's pairs, as they come: those of the last one stay
     ManifoldList found_;
 };
 

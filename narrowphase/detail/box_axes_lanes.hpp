@@ -43,7 +43,8 @@ struct BestAxis {
 struct AxisSearch {
     Floats separation;  // along a normal of a face
     Ints code;
-    Floats edge_square;  // of the separation along a product of edges, with its sign: so one root is taken for all nine
+    // Square of the separation along a product of edges, with its sign, as a fraction: so one root and one division are taken for all nine.
+    Floats edge_square, edge_length_sq;
     Ints edge_code;
 
     HWY_INLINE void face(Floats s, int number) {
@@ -53,16 +54,17 @@ struct AxisSearch {
     }
     /// @param s  times the length of the product.
     HWY_INLINE void edge(Floats s, Floats length_sq, int number) {
-        const Floats square = (s * abs(s)) / length_sq;
+        const Floats square = s * abs(s);
         const Mask is_axis = length_sq > Floats(static_cast<float>(kParallelSine * kParallelSine));
-        const Mask better = is_axis & (square > edge_square);
+        const Mask better = is_axis & (square * edge_length_sq > edge_square * length_sq);
         edge_square = select(better, square, edge_square);
+        edge_length_sq = select(better, length_sq, edge_length_sq);
         edge_code = select(better, Ints(number), edge_code);
     }
     /// Of a square beyond the range of floats nothing is known: faces decide alone.
     HWY_INLINE Floats edge_separation() const {
-        const Floats size = sqrt(abs(edge_square)), never(std::numeric_limits<float>::infinity());
-        return select(edge_square < never, select(edge_square < Floats(0.0f), -size, size), -never);
+        const Floats square = edge_square / edge_length_sq, size = sqrt(abs(square)), never(std::numeric_limits<float>::infinity());
+        return select(square < never, select(square < Floats(0.0f), -size, size), -never);
     }
 };
 
@@ -84,6 +86,8 @@ HWY_INLINE void try_edges(const PairNumbers& p, AxisSearch& best) {
 #pragma GCC unroll 3
     for (int i = 0; i < 3; ++i) {
         const int i1 = (i + 1) % 3, i2 = (i + 2) % 3;
+        const auto minor = [&, &rows = r](int j, int k) { return abs(rows[i1][j] * rows[i2][k] - rows[i2][j] * rows[i1][k]); };
+        const Floats minors[3] = {minor(1, 2), minor(2, 0), minor(0, 1)};
 #pragma GCC unroll 3
         for (int j = 0; j < 3; ++j) {
             const int j1 = (j + 1) % 3, j2 = (j + 2) % 3;
@@ -91,9 +95,7 @@ HWY_INLINE void try_edges(const PairNumbers& p, AxisSearch& best) {
             // square, which it is to 2e-7 only. So nothing cancels as the edges become parallel: every term below shrinks with its length
             // and is good to its own last digits.
             const Floats length_sq = r[i1][j] * r[i1][j] + r[i2][j] * r[i2][j];
-            const Floats reach_1 = abs(r[i1][j] * r[i2][j1] - r[i2][j] * r[i1][j1]),
-                         reach_2 = abs(r[i1][j] * r[i2][j2] - r[i2][j] * r[i1][j2]);
-            const Floats reach = (a[i1] * size[i2][j] + a[i2] * size[i1][j]) + (b[j1] * reach_1 + b[j2] * reach_2);
+            const Floats reach = (a[i1] * size[i2][j] + a[i2] * size[i1][j]) + (b[j1] * minors[j2] + b[j2] * minors[j1]);
             const Floats along = abs(t[i2] * r[i1][j] - t[i1] * r[i2][j]);
             best.edge(along - reach, length_sq, kFirstEdge + 3 * i + j);
         }
@@ -110,7 +112,7 @@ HWY_INLINE BestAxis best_axis(const WidePair& p) {
     const Floats most = max(max(max(n.a[0], n.a[1]), n.a[2]), max(max(n.b[0], n.b[1]), n.b[2]));
     const Floats limit = p.margin + Floats(kWideRounding) * most;
     const Floats never(-std::numeric_limits<float>::infinity());
-    AxisSearch best{never, Ints(kApart), never, Ints(kApart)};
+    AxisSearch best{never, Ints(kApart), never, Floats(1.0f), Ints(kApart)};
     try_faces(n, best);
     try_edges(n, best);
     const Floats edge_separation = best.edge_separation();

@@ -90,8 +90,12 @@ HWY_INLINE Floats longest(const Floats3& v) { return max(max(v.x, v.y), v.z); }
 
 // What float cannot take as it is.
 HWY_INLINE Mask is_unusual(const WideBoxes& boxes, Floats margin) {
-    const Floats most_a = longest(boxes.half_a), most_b = longest(boxes.half_b), most = max(most_a, most_b), reach(kUnusualRatio);
-    const Mask sizes = (most_a > reach * (length(boxes.half_b) + margin)) | (most_b > reach * (length(boxes.half_a) + margin));
+    const Floats most_a = longest(boxes.half_a), most_b = longest(boxes.half_b), most = max(most_a, most_b);
+    const auto exceeds = [&](Floats size, const Floats3& other) {  // by much what the other reaches, which is compared without its root
+        const Floats reach = size * Floats(1.0f / kUnusualRatio) - margin;
+        return (reach > Floats(0.0f)) & (reach * reach > dot(other, other));
+    };
+    const Mask sizes = exceeds(most_a, boxes.half_b) | exceeds(most_b, boxes.half_a);
     const Floats distance = longest({abs(boxes.between.x), abs(boxes.between.y), abs(boxes.between.z)});
     return sizes | (most <= Floats(kSmallestUsual)) | (most >= Floats(kLargestUsual)) | (distance > Floats(kMostDistance));
 }

@@ -5,6 +5,7 @@
 
 #include <carom/core/lanes.hpp>
 #include <carom/narrowphase/detail/box_lanes.hpp>
+#include <carom/narrowphase/detail/box_outline_lanes.hpp>
 #include <carom/narrowphase/detail/box_reduce_lanes.hpp>
 #include <carom/narrowphase/detail/narrow_lanes.hpp>
 #include <carom/narrowphase/detail/tolerances.hpp>
@@ -142,59 +143,18 @@ HWY_INLINE Faces make_faces(const Pair& p, const Floats3& n, const Floats3& n_b)
 constexpr float kCornerP[4] = {1.0f, -1.0f, -1.0f, 1.0f};
 constexpr float kCornerQ[4] = {1.0f, 1.0f, -1.0f, -1.0f};
 
-/// Corners of either face over the other, and crossings of their outlines.
-void add_face_points(const Faces& f, Mask wanted, Floats margin, WideCandidates& out) {
-    const Floats one(1.0f), inside(1.0f + kWideInside);
-    Floats s[4], t[4], h[4];
-#pragma GCC unroll 4
-    for (int k = 0; k < 4; ++k) {
-        const Floats p(kCornerP[k]), q(kCornerQ[k]);
-        s[k] = f.centre.x + (p * f.edge_p.x + q * f.edge_q.x);
-        t[k] = f.centre.y + (p * f.edge_p.y + q * f.edge_q.y);
-        h[k] = f.centre.z + (p * f.edge_p.z + q * f.edge_q.z);
-    }
-    const auto add = [&](Floats at_s, Floats at_t, Floats separation, Mask valid, Ints code) {
-        valid = valid & wanted & (separation <= margin);
-        if (any(valid)) out.add(at_s * f.pu + at_t * f.qu, at_t * f.qw, separation, valid, code);
+/// The corners of what the two faces share. Each edge of either, walked one way round, starts within the other face once at most: at its own
+/// corner, or where it crosses the other's outline. Where it leaves instead, the edge that it crosses starts within its face. So all corners
+/// are eight starts.
+HWY_INLINE void add_face_points(const Faces& f, Mask wanted, Floats margin, WideCandidates& out) {
+    const auto add = [&](Floats s, Floats t, Floats separation, const Start& start, Ints corner, Ints crossing)
+        __attribute__((always_inline)) {
+        const Mask valid = start.any & wanted & (separation <= margin);
+        if (any(valid)) out.add(s * f.pu + t * f.qu, t * f.qw, separation, valid, select(start.corner, corner, crossing));
     };
-#pragma GCC unroll 4
-    for (int k = 0; k < 4; ++k) add(s[k], t[k], h[k], (abs(s[k]) <= inside) & (abs(t[k]) <= inside), Ints(k));
-
-    // Corners of the square, in the coordinates of the parallelogram, whose area is not small: both faces look along the normal.
-    const Floats inverse = one / (f.edge_p.x * f.edge_q.y - f.edge_p.y * f.edge_q.x);
-#pragma GCC unroll 4
-    for (int k = 0; k < 4; ++k) {
-        const Floats ds = Floats(kCornerP[k]) - f.centre.x, dt = Floats(kCornerQ[k]) - f.centre.y;
-        const Floats p = (ds * f.edge_q.y - dt * f.edge_q.x) * inverse;
-        const Floats q = (f.edge_p.x * dt - f.edge_p.y * ds) * inverse;
-        const Floats separation = f.centre.z + (p * f.edge_p.z + q * f.edge_q.z);
-        add(Floats(kCornerP[k]), Floats(kCornerQ[k]), separation, (abs(p) <= inside) & (abs(q) <= inside), Ints(kCornerOfA + k));
-    }
-#pragma GCC unroll 4
-    for (int side = 0; side < 4; ++side) {
-        const Floats* x = side < 2 ? s : t;
-        const Floats* y = side < 2 ? t : s;
-        const Floats line(side % 2 == 0 ? 1.0f : -1.0f);
-        const Mask beyond[4] = {x[0] * line > one, x[1] * line > one, x[2] * line > one, x[3] * line > one};
-        const auto crosses = [&](int k) { return (beyond[k] & (!beyond[(k + 1) % 4])) | ((!beyond[k]) & beyond[(k + 1) % 4]); };
-        const Mask crosses_0 = crosses(0), crosses_1 = crosses(1), crosses_3 = crosses(3);
-        const Mask crossed = crosses_0 | crosses_1 | crosses(2);  // a line crosses two edges of a parallelogram, or none
-        if (none(crossed)) continue;
-        const auto cross = [&](int edge, const Mask& is_edge, const Mask& is_next)
-            __attribute__((always_inline)) {  // otherwise it is the one after that
-            const auto of = [&](const Floats* v, int k) {
-                return select(is_edge, v[(edge + k) % 4], select(is_next, v[(edge + k + 1) % 4], v[(edge + k + 2) % 4]));
-            };
-            const Floats x_0 = of(x, 0), y_0 = of(y, 0), h_0 = of(h, 0);
-            const Floats share = (x_0 - line) / (x_0 - of(x, 1));
-            const Floats along = y_0 + share * (of(y, 1) - y_0);
-            const Floats separation = h_0 + share * (of(h, 1) - h_0);
-            const Ints code = Ints(kCrossing + 4 * side + edge) + select(is_edge, Ints(0), select(is_next, Ints(1), Ints(2)));
-            add(side < 2 ? line : along, side < 2 ? along : line, separation, crossed & (abs(along) <= inside), code);
-        };
-        cross(0, crosses_0, crosses_1);
-        cross(1, !(crosses(2) | crosses_3), !crosses_3);
-    }
+    const Outline b(f.centre, f.edge_p, f.edge_q);
+    add_starts_of_b(b, add);
+    add_starts_of_a(b, add);
 }
 
 /// Where the two edges of an edge axis cross, seen along the normal; no point where they do so beyond their ends.

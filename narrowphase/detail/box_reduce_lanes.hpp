@@ -35,10 +35,10 @@ HWY_INLINE WidePoint select(Mask m, const WidePoint& yes, const WidePoint& no) {
     return {select(m, yes.u, no.u), select(m, yes.w, no.w), select(m, yes.separation, no.separation), select(m, yes.code, no.code)};
 }
 
-/// At most 17 points: 4 + 4 corners, 8 crossings, 1 pair of edges. Lanes in which a point is not valid have an infinite separation, and NaN
+/// At most 9 points: starts of 4 + 4 edges, 1 pair of edges. Lanes in which a point is not valid have an infinite separation, and NaN
 /// for u, so that no score of theirs is better than another.
 struct WideCandidates {
-    static constexpr std::size_t kRoom = 17;
+    static constexpr std::size_t kRoom = 9;
     RawFloats u[kRoom], w[kRoom], separation[kRoom];
     RawInts code[kRoom];
     std::size_t count = 0;

@@ -71,10 +71,15 @@ TEST(BoxBatch, ManyAreThoseOfOneToTheBit) {
 // Of unusual pairs each has a cut and a unit of its own, which those that wait for more do not take with them.
 TEST(BoxBatch, AFifthUnusualAmongManyAreThoseOfOne) {
     BoxCrowd crowd(700);
+    Random r(34);
     for (std::size_t i = 0; i < 700; ++i) {
-        const float by = i % 5 == 1 ? 60.0f : i % 5 == 3 && i % 2 == 0 ? 0x1p-24f : 1.0f;
-        for (std::size_t k = 2 * i; k < 2 * i + 2; ++k)
-            crowd.shapes[k] = Box{vec3{0.5f, 0.4f, 0.3f} * (by > 1.0f && k % 2 == 1 ? 1.0f : by)};
+        const float by = i % 10 == 1 ? 60.0f : i % 10 == 6 ? 0x1p-24f : 1.0f;
+        const vec3 half = by * vec3{0.5f, 0.4f, 0.3f}, other = by > 1.0f ? vec3{0.5f} : by * vec3{0.5f};
+        crowd.shapes[2 * i] = Box{half}, crowd.shapes[2 * i + 1] = Box{other};
+        crowd.pairs[i] = {static_cast<std::uint32_t>(2 * i), static_cast<std::uint32_t>(2 * i + 1)};
+        const double near = static_cast<double>(half.x + 0.9f * other.x), aside = 0.9 * static_cast<double>(half.y);
+        crowd.poses[2 * i].position = {0.0, 0.0, 0.0};
+        crowd.poses[2 * i + 1] = crowd.poses[2 * i] * Pose{{near, aside, 0.0}, about(random_direction(r), 0.05)};
     }
     const std::vector<Manifold> expected = crowd.singles(700);
     ASSERT_GT(expected.size(), 300u);
