@@ -79,7 +79,8 @@ TEST(BoxBatch, AFifthUnusualAmongManyAreThoseOfOne) {
         crowd.pairs[i] = {static_cast<std::uint32_t>(2 * i), static_cast<std::uint32_t>(2 * i + 1)};
         const double near = static_cast<double>(half.x + 0.9f * other.x), aside = 0.9 * static_cast<double>(half.y);
         crowd.poses[2 * i].position = {0.0, 0.0, 0.0};
-        crowd.poses[2 * i + 1] = crowd.poses[2 * i] * Pose{{near, aside, 0.0}, about(random_direction(r), 0.05)};
+        const double away = i % 3 == 2 ? 3.0 : 1.0;  // some are apart, so that some of those near wait
+        crowd.poses[2 * i + 1] = crowd.poses[2 * i] * Pose{{away * near, aside, 0.0}, about(random_direction(r), 0.05)};
     }
     const std::vector<Manifold> expected = crowd.singles(700);
     ASSERT_GT(expected.size(), 300u);

@@ -135,6 +135,29 @@ TEST(BoxNear, TheSameBitsAtEveryWidth) {
     }
 }
 
+// Eight times what the other may reach: its half diagonal and the margin.
+TEST(BoxNear, WhatIsMuchLongerThanTheOtherReachesIsUnusual) {
+    BoxCrowd crowd(1);
+    const auto near = std::make_unique<BoxesNear>();
+    for (const float size : {0.01f, 1.0f, 100.0f}) {
+        for (const float margin : {0.0f, 0.5f, 40.0f}) {
+            for (const bool swapped : {false, true}) {
+                for (const float times : {0.999f, 1.001f}) {
+                    const vec3 small = size * vec3{0.3f, 0.4f, 0.0f};
+                    const float longest = times * 8.0f * (0.5f * size + size * margin);
+                    crowd.shapes[swapped ? 1 : 0] = Box{vec3{0.2f, 1.0f, 0.5f} * longest};
+                    crowd.shapes[swapped ? 0 : 1] = Box{small};
+                    crowd.poses[1] = crowd.poses[0];
+                    crowd.pairs[0] = {0, 1, size * margin};
+                    *near = {};
+                    find_near_boxes(crowd.input(), crowd.chosen, *near);
+                    EXPECT_EQ(near->faces.any_unusual, times > 1.0f) << size << ' ' << margin;
+                }
+            }
+        }
+    }
+}
+
 // Edges that are better by rounding alone do not decide: what rests on a face has the face's normal.
 TEST(BoxNear, WhatRestsOnAFaceIsDecidedByIt) {
     BoxCrowd crowd(BoxPairBlock::kPairs);
