@@ -154,6 +154,11 @@ TEST(BoxNear, WhatIsMuchLongerThanTheOtherReachesIsUnusual) {
                     EXPECT_EQ(near->faces.any_unusual, times > 1.0f) << size << ' ' << margin;
                 }
             }
+            crowd.shapes[0] = crowd.shapes[1] = Box{vec3{0.5f * size}};
+            crowd.pairs[0] = {0, 1, 2.0f * size + size * margin};  // reaches farther than either is long
+            *near = {};
+            find_near_boxes(crowd.input(), crowd.chosen, *near);
+            EXPECT_FALSE(near->faces.any_unusual) << size << ' ' << margin;
         }
     }
 }
