@@ -58,14 +58,15 @@ enum class CollideStatus : unsigned char {
 /// Appends the manifolds of one pair to `out`, with `pair` = `index`. No manifold means: farther apart than the margin.
 /// Frame: world axes about A's origin; see Manifold. Swapping a and b flips the normal and keeps points and separations.
 ///
-/// What is reported: where the shapes overlap, the least depth over all directions (for a mesh, over those its surface allows, and where it
-/// allows none, over the normals of the triangles that are met; what overlaps is always reported); where they are apart, their distance. A
-/// body on a flat or nearly flat stretch of a mesh has one manifold; a mesh has two sides, and pushes to the one on which the shape's centre
-/// lies; of a one-sided mesh nothing is reported to what has its centre behind it. A mesh that bounds a convex solid (TriangleMesh::solid) is
-/// met as that, but by what has its centre inside and room there, which is kept in. Flat ends of cylinders and cones give up to four points of their rim or of what they lie on, sides a line of two; where a side or rim
-/// touches smoothly, the normal is found to about 5e-6. Two meshes push to their fronts, and have a manifold for each patch; where they are
-/// apart by more than 1/64 of the smaller one, only what is about as near as the nearest points is reported; where they overlap by more than
-/// that, a motion along a normal by the depth frees the two where such a one was found, and it may be too long by some 1e-2 of the size
+/// What is reported: where the shapes overlap, the least depth over all directions (for a mesh, over those its surface allows, and where
+/// it allows none, over the normals of the triangles that are met; what overlaps is always reported); where they are apart, their
+/// distance. A body on a flat or nearly flat stretch of a mesh has one manifold; a mesh has two sides, and pushes to the one on which the
+/// shape's centre lies; of a one-sided mesh nothing is reported to what has its centre behind it. A mesh that bounds a convex solid
+/// (TriangleMesh::solid) is met as that, but by what has its centre inside and room there, which is kept in. Flat ends of cylinders and
+/// cones give up to four points of their rim or of what they lie on, sides a line of two; where a side or rim touches smoothly, the
+/// normal is found to about 5e-6. Two meshes push to their fronts, and have a manifold for each patch; where they are apart by more than
+/// 1/64 of the smaller one, only what is about as near as the nearest points is reported; where they overlap by more than that, a motion
+/// along a normal by the depth frees the two where such a one was found, and it may be too long by some 1e-2 of the size
 /// (docs/narrowphase.md).
 /// Accuracy: 1e-6 of the larger shape's size (2e-6 for the depth and the distance of two boxes; 1e-5 of hulls with faces that
 /// ConvexHull::build merged, whose planes lie that much outside), of a mesh the convex shape's, and of a box much larger than the other the

@@ -71,8 +71,8 @@ void place_unusual(const ShapePair& pair, BoxPairBlock& block, std::size_t at) {
     block.unit[at] = static_cast<float>(unit);
 }
 
-// Some pairs, on their way through the kernels. Their manifolds have a place each, in the order of the pairs, before it is known whether there
-// is one.
+// Some pairs, on their way through the kernels. Their manifolds have a place each, in the order of the pairs, before it is known whether
+// there is one.
 struct Work {
     BoxesNear near;
     BoxPatchBundle patch{};

@@ -143,9 +143,9 @@ HWY_INLINE Faces make_faces(const Pair& p, const Floats3& n, const Floats3& n_b)
 constexpr float kCornerP[4] = {1.0f, -1.0f, -1.0f, 1.0f};
 constexpr float kCornerQ[4] = {1.0f, 1.0f, -1.0f, -1.0f};
 
-/// The corners of what the two faces share. Each edge of either, walked one way round, starts within the other face once at most: at its own
-/// corner, or where it crosses the other's outline. Where it leaves instead, the edge that it crosses starts within its face. So all corners
-/// are eight starts.
+/// The corners of what the two faces share. Each edge of either, walked one way round, starts within the other face once at most: at its
+/// own corner, or where it crosses the other's outline. Where it leaves instead, the edge that it crosses starts within its face. So all
+/// corners are eight starts.
 HWY_INLINE void add_face_points(const Faces& f, Mask wanted, Floats margin, WideCandidates& out) {
     const auto add = [&](Floats s, Floats t, Floats separation, const Start& start, Ints corner, Ints crossing)
         __attribute__((always_inline)) {
