@@ -18,7 +18,8 @@ namespace {
 constexpr std::size_t kChunk = 128;
 // Pairs are run by blocks, whose manifolds wait in the chunks until all before them are counted: a block is all that this takes memory
 // for. One of several kinds is longer, so that few of a kernel's lanes idle where its pairs end, and so is one of several threads, which
-// wait for each other. stexpr std::size_t kBlock = 1024, kBlockOfThread = 4096;
+// wait for each other.
+constexpr std::size_t kBlock = 1024, kBlockOfThread = 4096;
 constexpr std::uint16_t kReused = detail::kKinds;  // in place of a kind
 
 struct Chunk {
