@@ -218,10 +218,12 @@ void World::Impl::solve_contacts(dynamics::Step& step, double dt) {
         step.run(Stage::Joints, work);
     };
     const int relaxations = def.relax ? solver.relaxations() : 0;
-    // In one order a Gauss-Seidel pass errs to one side, so half of the substeps go backward; of an odd number one more or less by turns.
+    // In one order a Gauss-Seidel pass errs to one side, so half of the substeps go backward; of an odd number one more or less by turns. Relax takes out a push
+    // from the side that it came from: where that is strong, turning round would leave half as much energy again.
+    const bool turns_round = solver.deep_count() == 0;
     const bool in_turns = def.substeps % 2 == 1 && steps % 2 == 1;
     for (int k = 0; k < def.substeps; ++k) {
-        const bool backward = (2 * k >= def.substeps) != in_turns;
+        const bool backward = turns_round && (2 * k >= def.substeps) != in_turns;
         solver.list_velocities(k == 0 ? dynamics::WarmStart::First : dynamics::WarmStart::Again);
         if (k == 0) solver.list_warm_start();
         if (k == 0 && joined) joints_do([&] { joint_solver.warm_start(solver, threads()); });

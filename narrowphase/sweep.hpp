@@ -11,7 +11,8 @@
 //   Contact    `point` lies on B, `normal` points from A to B; for Overlapping both are zero. A triangle is solid on both sides.
 //   Guarantee  t is never later than the true time, and what is Separated is apart at every t. Each answer is that of B with its surface
 //              moved outward by at most k eps S, k = 96, eps = 2.2e-16 (computed in double for float too), S the distance of A from B's
-//              farthest point plus both radii (of half-spaces motion and offset besides), plus 1e-69 m; t is rounded downward to T.
+//              farthest point plus both radii (of half-spaces motion and offset besides, of capsules A's axis), plus 1e-69 m; t is rounded
+//              downward to T.
 //              Of triangles whose largest angle is a, and of edges that meet at the angle a, k is 160 and it is k eps S / sin a, but never
 //              more than 3e-7 S. So contact is reported at most that much too early, measured along the normal, and only what passes
 //              within that is made up.
