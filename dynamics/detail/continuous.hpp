@@ -194,6 +194,7 @@ private:
     /// Two that are stopped or cannot be struck, of which something kinematic brings one against the other.
     void carry(const ContinuousScene& scene, const Event& event);
     /// Whether it stands, and would go along with the other.
+    [[nodiscard]] bool may_ride(const ContinuousScene& scene, std::uint32_t slot) const;
     [[nodiscard]] bool can_board(const ContinuousScene& scene, std::uint32_t mover, std::uint32_t other) const;
     /// One that is stopped goes with the other from now on, or is crushed against it.
     void join(const ContinuousScene& scene, std::uint32_t mover, std::uint32_t other, double t, const BodyState& state);

@@ -269,11 +269,13 @@ void Continuous::strike(const ContinuousScene& scene, std::uint32_t number, doub
         note_stop(mover, t, outcome.stop != StopCause::None ? outcome.stop : too_many ? StopCause::Impacts : StopCause::Budget);
         take_back_pull(mover.flight.start.velocity, (1.0 - t) * scene.dt * (scene.free_motion(mover.slot).acceleration - mover.flight.motion.acceleration));
     }
-    if (mover.stopped && !mover.crushed && outcome.carrier != kNone) {
+    if (mover.stopped && !mover.crushed && outcome.carrier != kNone && may_ride(scene, mover.slot)) {
         if (mover.carrier == kNone) ++counts_.carried;
         const PathPiece& way = movers_[outcome.carrier].path.piece(BodyPath::kWhole);
         mover.carrier = outcome.carrier;
         mover.ride = {way, inverse(pose_at(way, t)) * outcome.state.pose};
+    } else if (mover.carrier != kNone) {
+        mover.ride.local = inverse(pose_at(mover.ride.carrier, t)) * outcome.state.pose;  // it may have been moved apart
     }
     lay_path(scene, mover);
     if (number_of_stray_[mover.slot] == kNone) strays_.push_back(mover.slot);

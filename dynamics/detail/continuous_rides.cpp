@@ -55,8 +55,12 @@ void Continuous::carry(const ContinuousScene& scene, const Event& event) {
     if (blow && b_gives_way) search_all(scene, number_b, event.t, slot_a);
 }
 
+// What rides goes every way and turns: what may not does not ride.
+bool Continuous::may_ride(const ContinuousScene& scene, std::uint32_t slot) const { return scene.bodies.masses[slot].locked == LockedAxes::None; }
+
 bool Continuous::can_board(const ContinuousScene& scene, std::uint32_t number, std::uint32_t other) const {
-    return movers_[number].stopped && !movers_[number].crushed && movers_[number].carrier == kNone && carrier_of(scene, other) != kNone;
+    const Mover& mover = movers_[number];
+    return mover.stopped && !mover.crushed && mover.carrier == kNone && may_ride(scene, mover.slot) && carrier_of(scene, other) != kNone;
 }
 
 // Nobody changes more than twice: what stands is carried, and what is carried is crushed.
@@ -69,8 +73,9 @@ void Continuous::join(const ContinuousScene& scene, std::uint32_t number_a, std:
     };
     if (can_board(scene, number_a, number_b)) return board(number_a, state_a, number_b);
     if (b_gives_way && can_board(scene, number_b, number_a)) return board(number_b, state_at(scene, b, t), number_a);
-    if (movers_[number_a].carrier != kNone) return crush(scene, number_a, t, state_a);
-    if (b.carrier != kNone) crush(scene, number_b, t, state_at(scene, b, t));
+    const auto stands = [&](const Mover& mover) { return mover.stopped && !mover.crushed && (mover.carrier != kNone || !may_ride(scene, mover.slot)); };
+    if (stands(movers_[number_a])) return crush(scene, number_a, t, state_a);
+    if (stands(b)) crush(scene, number_b, t, state_at(scene, b, t));
 }
 
 void Continuous::crush(const ContinuousScene& scene, std::uint32_t number, double t, const BodyState& state) {

@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdlib>
 #include <string>
@@ -155,6 +156,33 @@ struct Doorway {
         return inverse(world.pose_within_step(door, t)) * world.pose_within_step(body, t);
     }
 };
+
+// What may not go everywhere does not ride: it keeps to its axes, and is crushed instead.
+TEST(MovingWalls, WhatHasLockedAxesKeepsToThem) {
+    for (const unsigned char locked : {LockedAxes::Plane2D, LockedAxes::MoveY}) {
+        World world({.gravity = dvec3{0.0}, .continuous = {.most_impacts = 1}});
+        const BodyId door = world.create_body(
+            {.type = BodyType::Kinematic, .position = {0.0, 0.0, -0.6}, .linear_velocity = {0.0, 20.0, 60.0}, .angular_velocity = {7.0, 5.0, 0.0}});
+        world.add_shape(door, Box{{3.0f, 3.0f, 0.01f}}, {.friction = 0.0f});
+        const auto add = [&](const dvec3& at, const dvec3& velocity) {
+            const BodyId body = world.create_body({.position = at, .linear_velocity = velocity, .locked = locked});
+            world.add_shape(body, Box{vec3{0.05f}}, {.friction = 0.0f});
+            return body;
+        };
+        const std::array<BodyId, 2> bodies{add({0.0, 0.0, 0.0}, {0.0, 0.0, 0.0}), add({-3.0, 0.0, 0.0}, {400.0, 0.0, 0.0})};
+        const ContinuousCounts counts = world.step(kDt).continuous;
+        EXPECT_GT(counts.stopped, 0u);
+        EXPECT_EQ(counts.carried, 0u);
+        EXPECT_GT(counts.crushed, 0u);
+        for (const BodyId body : bodies) {
+            const dvec3 at = world.pose(body).position, velocity = world.linear_velocity(body);
+            const bool is_flat = locked == LockedAxes::Plane2D;
+            EXPECT_EQ(is_flat ? at.z : at.y, 0.0);
+            EXPECT_EQ(is_flat ? velocity.z : velocity.y, 0.0);
+            EXPECT_EQ(is_flat ? world.angular_velocity(body).x : 0.0, 0.0);
+        }
+    }
+}
 
 TEST(MovingWalls, WhatIsStoppedGoesAlongAsIfFixedToTheWall) {
     for (const dvec3& turning : {dvec3{0.0}, dvec3{0.0, 12.0, 0.0}, dvec3{7.0, 5.0, 3.0}}) {
