@@ -161,8 +161,10 @@ struct Doorway {
 TEST(MovingWalls, WhatHasLockedAxesKeepsToThem) {
     for (const unsigned char locked : {LockedAxes::Plane2D, LockedAxes::MoveY}) {
         World world({.gravity = dvec3{0.0}, .continuous = {.most_impacts = 1}});
-        const BodyId door = world.create_body(
-            {.type = BodyType::Kinematic, .position = {0.0, 0.0, -0.6}, .linear_velocity = {0.0, 20.0, 60.0}, .angular_velocity = {7.0, 5.0, 0.0}});
+        const BodyId door = world.create_body({.type = BodyType::Kinematic,
+                                               .position = {0.0, 0.0, -0.6},
+                                               .linear_velocity = {0.0, 20.0, 60.0},
+                                               .angular_velocity = {7.0, 5.0, 0.0}});
         world.add_shape(door, Box{{3.0f, 3.0f, 0.01f}}, {.friction = 0.0f});
         const auto add = [&](const dvec3& at, const dvec3& velocity) {
             const BodyId body = world.create_body({.position = at, .linear_velocity = velocity, .locked = locked});
