@@ -63,7 +63,7 @@ std::string stop_text(const FollowFinding& f) {
         case StopCause::Depth:
             return fmt::format("; stopped at t = {:.6g}, too deep in what it touched", f.stopped_at);
         case StopCause::Crushed:
-            return fmt::format("; crushed at t = {:.6g}, where what carried it brought it against what does not give way", f.stopped_at);
+            return fmt::format("; crushed at t = {:.6g} by something kinematic, with which it could not go along", f.stopped_at);
     }
     return "";
 }

@@ -46,7 +46,7 @@ enum class StopCause : unsigned char {
     Budget,   ///< the step came to the most impacts, times of impact or pieces of paths that it looks at
     Partner,  ///< it met what had stopped
     Depth,    ///< it was in the middle of what it touched, and would have come deeper
-    Crushed,  ///< after one of these it was carried along by something kinematic, against what does not give way
+    Crushed,  ///< after one of these something kinematic came upon it, and it could not go along: what does not give way, or another carrier, was in its way, or its axes are locked
 };
 /// @return "none", "impacts", "budget", "partner", "depth", "crushed".
 [[nodiscard]] const char* to_string(StopCause cause) noexcept;
@@ -80,7 +80,7 @@ enum class SweepReason : unsigned char {
     Company,   ///< they came little way against each other: contacts are to hold them
     TooDeep,   ///< they were so deep in each other when the step began that contacts alone hold them
     Pressed,   ///< of a passage: they had contacts, which did not hold them
-    Crushed,   ///< of a passage: one is kinematic, and the other was between it and what does not give way
+    Crushed,   ///< of a passage: one is kinematic, and the other could not go along with it (StopCause::Crushed)
 };
 /// @return "watched", "same body", "no step", "no shapes", "out of step", "neither dynamic", "filter", "joined", "back face", "off", "never",
 /// "still", "slow", "company", "too deep", "pressed", "crushed".
