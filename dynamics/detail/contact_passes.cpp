@@ -118,7 +118,7 @@ void ContactSolver::run_task(const Task& task, std::size_t begin, std::size_t en
             for (std::size_t i = 0; i < overflow.size(); ++i) dynamics::warm_start(overflow.subspan(i, 1), rows_);
             break;
         case Work::SolveOverflow:
-            for (std::size_t i = 0; i < overflow.size(); ++i) solve(overflow.subspan(task.backward ? overflow.size() - 1 - i : i, 1), task);
+            for (std::size_t i = 0; i < overflow.size(); ++i) solve(overflow.subspan(i, 1), task);
             break;
         case Work::WarmStartRows:
             rolling_.warm_start(rows_);

@@ -174,7 +174,7 @@ private:
         bool backward = false;
     };
     void list(std::size_t count, Stage stage, const Task& task, const std::uint32_t* starts = nullptr);
-    /// The colours one after the other and the bundles that have to be alone, or these first and all from the back; then what is no contact.
+    /// The colours one after the other and the bundles that have to be alone, or these first and the colours from the back; then what is no contact.
     void list_contacts(Stage stage, const Task& task);
     [[nodiscard]] bool renews(const Task& task) const noexcept;
     void solve(std::span<ContactBundle> some, const Task& task);
