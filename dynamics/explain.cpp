@@ -170,16 +170,16 @@ private:
     /// Measures the two where they were, and holds what the step has of them against it.
     void add_contact(const NumberedPair& listed, ShapePairExplanation& pair) const {
         const ProxySet& p = w_.proxies;
-        const auto placed = [&](std::uint32_t a, std::uint32_t b) {
-            return ShapePair{&p.by_slot[a].shape, &p.by_slot[b].shape, p.poses[a], p.poses[b], listed.margin};
+        const auto placed = [&](std::uint32_t a, std::uint32_t b, bool steady) {
+            return ShapePair{&p.by_slot[a].shape, &p.by_slot[b].shape, p.poses[a], p.poses[b], listed.margin, steady};
         };
         const std::uint32_t a = pair.shape_a.slot, b = pair.shape_b.slot;
         if (!can_collide(type_of(p.by_slot[a].shape), type_of(p.by_slot[b].shape))) return;
-        pair.contact = carom::explain(placed(a, b));
+        pair.contact = carom::explain(placed(a, b, false));
         if (!pair.contact->disagreement.empty()) disagree(pair.contact->disagreement, listed);
         if (find_candidate(listed) == nullptr) return;
         std::vector<Manifold> anew;
-        carom::collide(placed(listed.a, listed.b), 0, anew);
+        carom::collide(placed(listed.a, listed.b, true), 0, anew);
         const ContactPair* const last = pair_of(w_.contacts, listed);
         const std::span<const Manifold> had = contacts_of(w_.contacts, listed);
         pair.found = summary_of(had);
@@ -211,7 +211,9 @@ private:
         if (anew.points == 0 && had.points == 0) return true;
         if (anew.points == 0) return had.least_separation >= margin - slack;
         if (had.points == 0) return anew.least_separation >= margin - slack;
-        return std::abs(anew.least_separation - had.least_separation) <= 1.01 * slack;
+        // Each of the two choices of four points may have left out another corner that is deeper by half (PlacedShapes::steady).
+        const double overlooked = 0.5 * std::max(0.0, -std::max(anew.least_separation, had.least_separation));
+        return std::abs(anew.least_separation - had.least_separation) <= 1.01 * slack + overlooked;
     }
 
     [[nodiscard]] const ContactPair* pair_of(const dynamics::ContactSet& set, const NumberedPair& listed) const {

@@ -79,7 +79,7 @@ void World::Impl::patch_contacts(dynamics::Step& step) {
     dynamics::ContactPatch patch(contacts, may_end, contact_changes);
     const auto take = [&](std::size_t i, std::span<const Manifold> found) { patch.take(dynamics::contact_pair(proxies, looked[i]), found); };
     const std::span<const NumberedPair> pairs{looked.data(), looked.size()};
-    const CollideCounts counts = collide(PlacedShapes{proxies.shapes, proxies.poses}, pairs, threads(), collide_scratch, take);
+    const CollideCounts counts = collide(PlacedShapes{proxies.shapes, proxies.poses, true}, pairs, threads(), collide_scratch, take);
     patch.finish(threads());
     step.report.undecided = counts.undecided;
     step.report.reused = candidates.size() - looked.size();

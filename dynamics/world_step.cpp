@@ -186,7 +186,7 @@ void World::Impl::find_contacts(dynamics::Step& step, const dynamics::Motion& mo
     if (keeps) return step.run(Stage::Collide, [&] { patch_contacts(step); });
     if (!std::exchange(taken_over, true)) take_over_contacts(step);
     step.run(Stage::Collide, [&] {
-        const PlacedShapes placed{proxies.shapes, proxies.poses};
+        const PlacedShapes placed{proxies.shapes, proxies.poses, true};
         std::vector<Manifold>& found = contacts.manifolds;
         const CollideCounts counts =
             reuses ? collide(placed, candidates, last_manifolds, threads(), collide_scratch, found)

@@ -2,7 +2,7 @@
 //
 //   WideCandidates candidates;
 //   candidates.add(u, w, separation, valid, code);
-//   WideChoice chosen = choose_points(candidates, tolerance, start_u, start_w);
+//   WideChoice chosen = choose_points(candidates, {tolerance, overlook}, start_u, start_w);
 
 // This guard lets the file through once for each target.
 #if defined(CAROM_NARROWPHASE_BOX_REDUCE_LANES_HPP) == defined(HWY_TARGET_TOGGLE)
@@ -13,6 +13,7 @@
 #endif
 
 #include <carom/core/lanes.hpp>
+#include <carom/narrowphase/detail/tolerances.hpp>
 
 #include <cstddef>
 #include <limits>
@@ -89,8 +90,14 @@ struct WideChoice {
     Floats lowest;  ///< separation of all that there were to choose from; kNever: there were none
 };
 
+/// The limits of reduce_points().
+struct WideLimits {
+    Floats tolerance, overlook;
+};
+
 /// What reduce_points() (reduce.hpp) chooses, for each lane.
-HWY_INLINE WideChoice choose_points(const WideCandidates& all, Floats tolerance, Floats start_u, Floats start_w) {
+HWY_INLINE WideChoice choose_points(const WideCandidates& all, const WideLimits& limits, Floats start_u, Floats start_w) {
+    const Floats tolerance = limits.tolerance;
     WideBest first(Floats(-kNever));
     Floats lowest(kNever);
     for_each(all, [&](const WidePoint& p, std::size_t) {
@@ -132,7 +139,8 @@ HWY_INLINE WideChoice choose_points(const WideCandidates& all, Floats tolerance,
     Floats least(kNever);
 #pragma GCC unroll 4
     for (int k = 0; k < 4; ++k) least = select(used[k], min(out.points[k].separation, least), least);
-    const Mask replace = exists(a) & (-lowest > tolerance - least);
+    const Floats overlooked = min(limits.overlook, Floats(static_cast<float>(kSteadyShare)) * max(-least, Floats(0.0f)));
+    const Mask replace = exists(a) & (-lowest > (tolerance - least) + overlooked);
     if (none(replace)) return out;
     WideBest lowest_point(Floats(-kNever));
     for_each(all, [&](const WidePoint& p, std::size_t) { lowest_point.offer(p, -p.separation); });

@@ -1,9 +1,10 @@
 // From many points of one contact patch to the four that carry it.
 //
 //   std::array<int, 4> chosen;
-//   int count = reduce_points(candidates, 1e-6 * size, start, chosen);
+//   int count = reduce_points(candidates, 1e-6 * size, start, 0.0, chosen);
 #pragma once
 
+#include <carom/narrowphase/detail/tolerances.hpp>
 #include <carom/narrowphase/manifold.hpp>
 
 #include <glm/geometric.hpp>
@@ -96,18 +97,25 @@ inline int choose_outline(std::span<const Candidate> points, double tolerance, c
     return chosen[3] < 0 ? 3 : 4;
 }
 
+/// @return what reduce_points() may overlook of a pair of that size [m].
+[[nodiscard]] inline double overlook(bool steady, double size) noexcept { return steady ? kSteadyCap * size : 0.0; }
+
 /// Chooses up to four points: the farthest in the direction `start`, the farthest from that, the one that spans the largest triangle with
-/// them, and the one that adds most area to it. Where the deepest of all is deeper than these by more than `tolerance`, it replaces
-/// the nearest of them. So the choice hangs on the outline, which is steady, and depth changes one point at most.
+/// them, and the one that adds most area to it. Where the deepest of all is deeper than these by more than `tolerance` and what is
+/// overlooked, it replaces the nearest of them. So the choice hangs on the outline, which is steady, and depth changes one point at most.
+/// @param overlook  how much deeper it may be, beyond the tolerance, and be left out [m], if it is no more than kSteadyShare of the depth of
+/// the four; 0: never.
 /// Points within `tolerance` [m] of one another are one; a flat patch gives its corners whatever points lie between them.
 /// @return how many indices of `chosen` are in use, 1..4; 0 for no points. The same for the same order of points.
-inline int reduce_points(std::span<const Candidate> points, double tolerance, const PlanarDirection& start, Chosen& chosen) noexcept {
+inline int reduce_points(std::span<const Candidate> points, double tolerance, const PlanarDirection& start, double overlook,
+                         Chosen& chosen) noexcept {
     if (points.empty()) return 0;
     const auto at = [&](std::size_t i) -> const Candidate& { return points[static_cast<std::size_t>(chosen[i])]; };
     int count = choose_outline(points, tolerance, start, chosen);
     double least = at(0).separation;
     for (std::size_t i = 1; i < static_cast<std::size_t>(count); ++i) least = std::min(least, at(i).separation);
-    const int deepest = best_of(points, tolerance - least, [](const Candidate& p) { return -p.separation; });
+    const double overlooked = std::min(overlook, kSteadyShare * std::max(0.0, -least));
+    const int deepest = best_of(points, tolerance - least + overlooked, [](const Candidate& p) { return -p.separation; });
     if (deepest < 0) return count;
     const Candidate& d = points[static_cast<std::size_t>(deepest)];
     std::size_t nearest = 0;
