@@ -13,6 +13,7 @@
 #endif
 
 #include <carom/core/lanes.hpp>
+#include <carom/narrowphase/detail/tolerances.hpp>
 
 #include <cstddef>
 #include <limits>
@@ -49,26 +50,33 @@ struct WideCandidates {
         separation[count] = select(valid, at_separation, Floats(kNever)).raw;
         code[count++] = its_code.raw;
     }
+    HWY_INLINE WidePoint at(std::size_t k) const { return {Floats{u[k]}, Floats{w[k]}, Floats{separation[k]}, Ints{code[k]}}; }
 };
 
-/// The valid point with the largest score so far, if that is over what it began with. Ties go to the first. Scores have a part of u, or are
-/// less the separation: NaN or -infinity for points that are not valid.
-struct WideBest {
-    Floats least;
-    WidePoint point = no_point();
+/// Scores of all points, and the largest. Scores have a part of u, or are less the separation: NaN or -infinity for points that are not valid.
+struct WideScores {
+    RawFloats of[WideCandidates::kRoom];
+    Floats least, best;
 
-    HWY_INLINE explicit WideBest(Floats over) : least(over) {}
-    HWY_INLINE void offer(const WidePoint& candidate, Floats score) {
-        const Mask better = score > least;
-        least = select(better, score, least);
-        point = select(better, candidate, point);
+    /// @param over  what a score has to be over.
+    HWY_INLINE explicit WideScores(Floats over) : least(over), best(over) {}
+    HWY_INLINE void add(Floats score, std::size_t k) {
+        of[k] = score.raw;
+        best = max(score, best);
+    }
+    /// @param equal  the score from which on scores count as equal to the best. @return the first of these; none where none is over the least.
+    HWY_INLINE WidePoint first(const WideCandidates& all, Floats equal) const {
+        const Floats bar = max(equal, least);
+        WidePoint found = no_point();
+        for (std::size_t k = all.count; k-- > 0;) found = select(Floats{of[k]} > bar, all.at(k), found);
+        return found;
     }
 };
 
 /// Calls visit(candidate, its number) for each, in order.
 template <class Visit>
 HWY_INLINE void for_each(const WideCandidates& c, const Visit& visit) {
-    for (std::size_t k = 0; k < c.count; ++k) visit(WidePoint{Floats{c.u[k]}, Floats{c.w[k]}, Floats{c.separation[k]}, Ints{c.code[k]}}, k);
+    for (std::size_t k = 0; k < c.count; ++k) visit(c.at(k), k);
 }
 
 HWY_INLINE Floats distance_sq(const WidePoint& a, const WidePoint& p) { return (p.u - a.u) * (p.u - a.u) + (p.w - a.w) * (p.w - a.w); }
@@ -89,38 +97,38 @@ struct WideChoice {
     Floats lowest;  ///< separation of all that there were to choose from; kNever: there were none
 };
 
-/// What reduce_points() (reduce.hpp) chooses, for each lane.
+/// What reduce_points() (reduce.hpp) chooses, for each lane, but that depths are equal within `tolerance` / 4. Ties go to the first candidate: the
+/// order is that of the edges of both faces, which rounding does not change.
 HWY_INLINE WideChoice choose_points(const WideCandidates& all, Floats tolerance, Floats start_u, Floats start_w) {
-    WideBest first(Floats(-kNever));
+    const Floats as_far(static_cast<float>(kAsFar));
+    WideScores along(Floats(-kNever));
     Floats lowest(kNever);
-    for_each(all, [&](const WidePoint& p, std::size_t) {
-        first.offer(p, p.u * start_u + p.w * start_w);
+    for_each(all, [&](const WidePoint& p, std::size_t k) {
+        along.add(p.u * start_u + p.w * start_w, k);
         lowest = min(p.separation, lowest);
     });
-    const WidePoint& a = first.point;
-    WideBest farthest(tolerance * tolerance);
-    for_each(all, [&](const WidePoint& p, std::size_t) { farthest.offer(p, distance_sq(a, p)); });
-    const WidePoint& b = farthest.point;
-    const Floats least_area = tolerance * sqrt(distance_sq(a, b));
-    WideBest left(least_area), right(least_area);
+    const WidePoint a = along.first(all, along.best - tolerance);
+    WideScores distances(tolerance * tolerance);
+    for_each(all, [&](const WidePoint& p, std::size_t k) { distances.add(distance_sq(a, p), k); });
+    const WidePoint b = distances.first(all, as_far * distances.best);
+    const Mask has_b = exists(b);
+    const Floats least_area = tolerance * sqrt(distances.best);
+    WideScores sizes(least_area);
     RawFloats areas[WideCandidates::kRoom];
     const WideArea over_ab(a, b, Floats(1.0f));
     for_each(all, [&](const WidePoint& p, std::size_t k) {
         const Floats area = over_ab.of(p);
         areas[k] = area.raw;
-        left.offer(p, area);
-        right.offer(p, -area);
+        sizes.add(abs(area), k);
     });
-    const Mask has_b = exists(b);
-    const Mask is_left = (!exists(right.point)) | (exists(left.point) & (left.least >= right.least));
-    const WidePoint c = select(is_left, left.point, right.point);
+    const WidePoint c = sizes.first(all, sizes.best - least_area);
     const Mask has_c = has_b & exists(c);
-    const Floats turn = select(is_left, Floats(-1.0f), Floats(1.0f));
-    WideBest beyond(least_area);
+    const Floats turn = select(over_ab.of(c) > Floats(0.0f), Floats(-1.0f), Floats(1.0f));
+    WideScores added(least_area);
     const WideArea over_bc(b, c, turn), over_ca(c, a, turn);
     for_each(all,
-             [&](const WidePoint& p, std::size_t k) { beyond.offer(p, max(max(turn * Floats{areas[k]}, over_bc.of(p)), over_ca.of(p))); });
-    const WidePoint& d = beyond.point;
+             [&](const WidePoint& p, std::size_t k) { added.add(max(max(turn * Floats{areas[k]}, over_bc.of(p)), over_ca.of(p)), k); });
+    const WidePoint d = added.first(all, added.best - least_area);
     const Mask has_d = has_c & exists(d);
 
     const Ints zero(0), one(1);
@@ -134,15 +142,15 @@ HWY_INLINE WideChoice choose_points(const WideCandidates& all, Floats tolerance,
     for (int k = 0; k < 4; ++k) least = select(used[k], min(out.points[k].separation, least), least);
     const Mask replace = exists(a) & (-lowest > tolerance - least);
     if (none(replace)) return out;
-    WideBest lowest_point(Floats(-kNever));
-    for_each(all, [&](const WidePoint& p, std::size_t) { lowest_point.offer(p, -p.separation); });
-    const WidePoint& deepest = lowest_point.point;
+    WideScores depths(Floats(-kNever));
+    for_each(all, [&](const WidePoint& p, std::size_t k) { depths.add(-p.separation, k); });
+    const WidePoint deepest = depths.first(all, depths.best - Floats(0.25f) * tolerance);
     Floats nearest(kNever);
     Ints slot(0);
 #pragma GCC unroll 4
     for (int k = 0; k < 4; ++k) {
         const Floats distance = distance_sq(deepest, out.points[k]);
-        const Mask nearer = used[k] & (distance < nearest);
+        const Mask nearer = used[k] & (distance < as_far * nearest);
         nearest = select(nearer, distance, nearest);
         slot = select(nearer, Ints(k), slot);
     }
