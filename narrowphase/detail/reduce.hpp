@@ -72,13 +72,19 @@ struct Best {
 template <class Equal, class Score>
 [[nodiscard]] Best best_of(std::span<const Candidate> points, double least, const Equal& equal, const Score& score) noexcept {
     Best best{least};
-    for (const Candidate& p : points) best.score = std::max(best.score, score(p));
-    if (!(best.score > least)) return best;
-    const double bar = std::max(equal(best.score), least);
+    double next = least;  // of all others
     for (std::size_t i = 0; i < points.size(); ++i) {
+        const double s = score(points[i]);
+        next = std::max(next, std::min(best.score, s));
+        if (s > best.score) best = {s, static_cast<int>(i)};
+    }
+    const double bar = std::max(equal(best.score), least);
+    if (!(next > bar)) return best;
+    for (std::size_t i = 0; i < points.size(); ++i) {  // few have their like
         if (!(score(points[i]) > bar)) continue;
-        const bool first = best.index < 0 || name_rank(points[i].feature) < name_rank(points[static_cast<std::size_t>(best.index)].feature);
-        if (first) best.index = static_cast<int>(i);
+        const std::uint64_t rank = name_rank(points[i].feature),
+                            least_rank = name_rank(points[static_cast<std::size_t>(best.index)].feature);
+        if (rank < least_rank || (rank == least_rank && static_cast<int>(i) < best.index)) best.index = static_cast<int>(i);
     }
     return best;
 }
