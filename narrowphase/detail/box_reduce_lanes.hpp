@@ -53,23 +53,18 @@ struct WideCandidates {
     HWY_INLINE WidePoint at(std::size_t k) const { return {Floats{u[k]}, Floats{w[k]}, Floats{separation[k]}, Ints{code[k]}}; }
 };
 
-/// Scores of all points, and the largest. Scores have a part of u, or are less the separation: NaN or -infinity for points that are not valid.
-struct WideScores {
-    RawFloats of[WideCandidates::kRoom];
-    Floats least, best;
+/// The valid point with the largest score so far, if that is over what it began with. Scores that beat it by no more than rounding may are no better, so
+/// of such the first is kept. Scores have a part of u, or are less the separation: NaN or -infinity for points that are not valid.
+struct WideBest {
+    Floats bar;  ///< what the next has to be over
+    WidePoint point = no_point();
 
-    /// @param over  what a score has to be over.
-    HWY_INLINE explicit WideScores(Floats over) : least(over), best(over) {}
-    HWY_INLINE void add(Floats score, std::size_t k) {
-        of[k] = score.raw;
-        best = max(score, best);
-    }
-    /// @param equal  the score from which on scores count as equal to the best. @return the first of these; none where none is over the least.
-    HWY_INLINE WidePoint first(const WideCandidates& all, Floats equal) const {
-        const Floats bar = max(equal, least);
-        WidePoint found = no_point();
-        for (std::size_t k = all.count; k-- > 0;) found = select(Floats{of[k]} > bar, all.at(k), found);
-        return found;
+    HWY_INLINE explicit WideBest(Floats over) : bar(over) {}
+    /// @param beaten_by  what a score has to be over that is better than this one.
+    HWY_INLINE void offer(const WidePoint& candidate, Floats score, Floats beaten_by) {
+        const Mask better = score > bar;
+        bar = select(better, beaten_by, bar);
+        point = select(better, candidate, point);
     }
 };
 
@@ -100,35 +95,41 @@ struct WideChoice {
 /// What reduce_points() (reduce.hpp) chooses, for each lane, but that depths are equal within `tolerance` / 4. Ties go to the first candidate: the
 /// order is that of the edges of both faces, which rounding does not change.
 HWY_INLINE WideChoice choose_points(const WideCandidates& all, Floats tolerance, Floats start_u, Floats start_w) {
-    const Floats as_far(static_cast<float>(kAsFar));
-    WideScores along(Floats(-kNever));
+    const Floats farther(static_cast<float>(1.0 / kAsFar));
+    WideBest first(Floats(-kNever));
     Floats lowest(kNever);
-    for_each(all, [&](const WidePoint& p, std::size_t k) {
-        along.add(p.u * start_u + p.w * start_w, k);
+    for_each(all, [&](const WidePoint& p, std::size_t) {
+        const Floats along = p.u * start_u + p.w * start_w;
+        first.offer(p, along, along + tolerance);
         lowest = min(p.separation, lowest);
     });
-    const WidePoint a = along.first(all, along.best - tolerance);
-    WideScores distances(tolerance * tolerance);
-    for_each(all, [&](const WidePoint& p, std::size_t k) { distances.add(distance_sq(a, p), k); });
-    const WidePoint b = distances.first(all, as_far * distances.best);
+    const WidePoint& a = first.point;
+    WideBest farthest(tolerance * tolerance);
+    for_each(all, [&](const WidePoint& p, std::size_t) {
+        const Floats distance = distance_sq(a, p);
+        farthest.offer(p, distance, farther * distance);
+    });
+    const WidePoint& b = farthest.point;
     const Mask has_b = exists(b);
-    const Floats least_area = tolerance * sqrt(distances.best);
-    WideScores sizes(least_area);
+    const Floats least_area = tolerance * sqrt(distance_sq(a, b));
+    WideBest largest(least_area);
     RawFloats areas[WideCandidates::kRoom];
     const WideArea over_ab(a, b, Floats(1.0f));
     for_each(all, [&](const WidePoint& p, std::size_t k) {
-        const Floats area = over_ab.of(p);
+        const Floats area = over_ab.of(p), size = abs(area);
         areas[k] = area.raw;
-        sizes.add(abs(area), k);
+        largest.offer(p, size, size + least_area);
     });
-    const WidePoint c = sizes.first(all, sizes.best - least_area);
+    const WidePoint& c = largest.point;
     const Mask has_c = has_b & exists(c);
     const Floats turn = select(over_ab.of(c) > Floats(0.0f), Floats(-1.0f), Floats(1.0f));
-    WideScores added(least_area);
+    WideBest beyond(least_area);
     const WideArea over_bc(b, c, turn), over_ca(c, a, turn);
-    for_each(all,
-             [&](const WidePoint& p, std::size_t k) { added.add(max(max(turn * Floats{areas[k]}, over_bc.of(p)), over_ca.of(p)), k); });
-    const WidePoint d = added.first(all, added.best - least_area);
+    for_each(all, [&](const WidePoint& p, std::size_t k) {
+        const Floats added = max(max(turn * Floats{areas[k]}, over_bc.of(p)), over_ca.of(p));
+        beyond.offer(p, added, added + least_area);
+    });
+    const WidePoint& d = beyond.point;
     const Mask has_d = has_c & exists(d);
 
     const Ints zero(0), one(1);
@@ -142,15 +143,15 @@ HWY_INLINE WideChoice choose_points(const WideCandidates& all, Floats tolerance,
     for (int k = 0; k < 4; ++k) least = select(used[k], min(out.points[k].separation, least), least);
     const Mask replace = exists(a) & (-lowest > tolerance - least);
     if (none(replace)) return out;
-    WideScores depths(Floats(-kNever));
-    for_each(all, [&](const WidePoint& p, std::size_t k) { depths.add(-p.separation, k); });
-    const WidePoint deepest = depths.first(all, depths.best - Floats(0.25f) * tolerance);
+    WideBest lowest_point(Floats(-kNever));
+    for_each(all, [&](const WidePoint& p, std::size_t) { lowest_point.offer(p, -p.separation, Floats(0.25f) * tolerance - p.separation); });
+    const WidePoint& deepest = lowest_point.point;
     Floats nearest(kNever);
     Ints slot(0);
 #pragma GCC unroll 4
     for (int k = 0; k < 4; ++k) {
         const Floats distance = distance_sq(deepest, out.points[k]);
-        const Mask nearer = used[k] & (distance < as_far * nearest);
+        const Mask nearer = used[k] & (farther * distance < nearest);
         nearest = select(nearer, distance, nearest);
         slot = select(nearer, Ints(k), slot);
     }

@@ -73,8 +73,7 @@ TEST(TiedPoints, OfTwoBoxesOrHullsRoundingDecidesNone) {
             int same = 0;
             for (int i = 0; i < 200; ++i) {
                 const Pose world{random_direction(r) * 3.0, random_rotation(r)};
-                const std::vector<Manifold> m =
-                    collide_all(a, trembling(world, r), b, trembling(seen_from(world, s.pose), r), 0.02f);
+                const std::vector<Manifold> m = collide_all(a, trembling(world, r), b, trembling(seen_from(world, s.pose), r), 0.02f);
                 same += names_of(m) == names ? 1 : 0;
             }
             EXPECT_EQ(same, 200) << s.name << (hulls ? ", hulls" : "");
@@ -110,7 +109,8 @@ TEST(TiedPoints, OfManyBoxesRoundingDecidesNone) {
         collide({shapes, poses}, pairs, executor, scratch, manifolds);
         set_simd_width(0);
         ASSERT_EQ(manifolds.size(), pairs.size()) << width;
-        for (const Manifold& m : manifolds) EXPECT_EQ(names_of({m}), expected[m.pair % kinds]) << width << " " << standings()[m.pair % kinds].name;
+        for (const Manifold& m : manifolds)
+            EXPECT_EQ(names_of({m}), expected[m.pair % kinds]) << width << " " << standings()[m.pair % kinds].name;
     }
 }
 
