@@ -47,6 +47,10 @@ inline constexpr double kPointTolerance = 1e-6;
 inline constexpr double kSteadyShare = 0.3;
 inline constexpr double kSteadyCap = 1e-3;
 
+/// Squares of distances between points of a patch are equal from this share of the greatest on. Rounding to floats does less where the patch
+/// is longer than a fiftieth of the size.
+inline constexpr double kAsFar = 1.0 - 0x1p-14;
+
 /// A point bears the name of a corner within this share of the shortest side of the faces.
 inline constexpr double kSnap = 0.02;
 
