@@ -115,7 +115,7 @@ private:
     /// Whether the last step had the shape as it is.
     [[nodiscard]] bool known(ShapeId id) const {
         const ProxySet& p = w_.proxies;
-        if (id.slot >= p.kinds.size() || p.kinds[id.slot] == ProxyKind::None || p.by_slot[id.slot].id != id || p.stale[id.slot] != 0) return false;
+        if (id.slot >= p.kinds.size() || p.kinds[id.slot] == ProxyKind::None || p.owners[id.slot].shape != id || p.stale[id.slot] != 0) return false;
         const bool woken = w_.arrays.roles[p.bodies[id.slot]] == Role::Dynamic && !p.filters[id.slot].movable;
         if (woken) return false;
         return p.kinds[id.slot] == ProxyKind::Plane || p.listed[id.slot] != 0;

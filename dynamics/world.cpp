@@ -139,7 +139,7 @@ BodyId World::create_body(const BodyDef& def) {
                   "velocities must be finite", {});
     const char* fault = fault_of(def);
     CAROM_REQUIRE(fault == nullptr, ErrorCode::InvalidArgument, fault, {});
-    const BodyId id = impl_->bodies.insert({def.type, def.name, {}, false});
+    const BodyId id = impl_->bodies.insert({def.type, false, def.name.empty() ? nullptr : std::make_unique<const std::string>(def.name), {}});
     dynamics::BodyArrays& arrays = impl_->arrays;
     if (arrays.states.size() <= id.slot) {
         arrays.states.resize(id.slot + 1);
@@ -269,10 +269,9 @@ void World::Impl::put_proxy(ShapeId id) {
     contacts_hold = false;
     const dynamics::ShapeRecord& s = *shapes.find(id);
     const std::uint32_t slot = s.body.slot;
-    dynamics::Proxy proxy;
+    dynamics::NewProxy proxy;
     proxy.id = id;
     proxy.owner = s.body;
-    proxy.body = slot;
     proxy.shape = s.shape;
     proxy.local = inverse(arrays.masses[slot].principal) * s.def.local;
     proxy.reach = reach_of(s.shape, proxy.local);

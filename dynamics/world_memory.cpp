@@ -6,8 +6,10 @@
 namespace carom {
 namespace {
 
-/// Of a name that does not lie in the string itself.
-std::size_t held_by_name(const std::string& name) noexcept { return name.capacity() > std::string{}.capacity() ? name.capacity() + 1 : 0; }
+std::size_t held_by_name(const std::unique_ptr<const std::string>& name) noexcept {
+    if (name == nullptr) return 0;
+    return sizeof(std::string) + (name->capacity() > std::string{}.capacity() ? name->capacity() + 1 : 0);  // short ones lie in the string itself
+}
 
 }  // namespace
 
@@ -19,7 +21,7 @@ WorldMemory World::memory() const noexcept {
                  held_by(w.body_order, w.arrays.states, w.arrays.masses, w.arrays.roles, w.arrays.traits, w.last_valid);
     for (const BodyId body : w.body_order) {
         const dynamics::BodyRecord& record = *w.bodies.find(body);
-        sum.bodies += held_by(record.shapes) + held_by_name(record.name);
+        sum.bodies += record.shapes.memory() + held_by_name(record.name);
     }
     sum.shapes = w.shapes.memory() + w.proxies.memory();
     sum.joints = w.joints.memory() + w.joint_solver.memory();

@@ -47,7 +47,7 @@ BodyType World::type(BodyId body) const {
 }
 const std::string& World::name(BodyId body) const {
     CAROM_FIND_BODY(body, kNoName);
-    return record->name;
+    return record->name != nullptr ? *record->name : kNoName;
 }
 Pose World::pose(BodyId body) const {
     CAROM_FIND_BODY(body, {});

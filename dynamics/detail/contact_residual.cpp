@@ -12,8 +12,7 @@ namespace carom::dynamics {
 namespace {
 
 double friction_of(const ProxySet& proxies, const ContactPair& pair, const Manifold& manifold) {
-    const Proxy &a = proxies.by_slot[pair.proxy_a], &b = proxies.by_slot[pair.proxy_b];
-    const Surface met = combine(surface_of_part(a.surface, compound_of(a.shape), manifold.part_a), surface_of_part(b.surface, compound_of(b.shape), manifold.part_b));
+    const Surface met = combine(surface_of_part(proxies.surfaces[pair.proxy_a], manifold.part_a), surface_of_part(proxies.surfaces[pair.proxy_b], manifold.part_b));
     return static_cast<double>(met.friction);
 }
 

@@ -217,7 +217,7 @@ void ContactSolver::fill_contact_rows(const ContactSet& contacts, Executor& exec
 ContactRows ContactSolver::rows_of(const ContactPair& pair) const { return {row_or_unmoved(pair.body_a.slot), row_or_unmoved(pair.body_b.slot)}; }
 
 float ContactSolver::friction_of(const Side& side, std::uint32_t proxy, std::uint16_t part, const ProxySet& proxies) const {
-    return side.is_compound ? surface_of_part(proxies.surfaces[proxy].surface, proxies.surfaces[proxy].compound, part).friction : side.friction;
+    return side.is_compound ? surface_of_part(proxies.surfaces[proxy], part).friction : side.friction;
 }
 
 ManifoldRow ContactSolver::unused_row() const noexcept {

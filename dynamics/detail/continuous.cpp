@@ -59,7 +59,7 @@ void Continuous::list_bodies(const ContinuousScene& scene) {
     first_proxy_.assign(slots + 1, 0);
     const auto for_each_proxy = [&](const auto& visit) {
         for (std::uint32_t i = 0; i < scene.proxies.by_slot.size(); ++i) {
-            if (scene.proxies.kinds[i] != ProxyKind::None) visit(i, scene.proxies.by_slot[i].body);
+            if (scene.proxies.kinds[i] != ProxyKind::None) visit(i, scene.proxies.bodies[i]);
         }
     };
     for_each_proxy([&](std::uint32_t, std::uint32_t body) { ++first_proxy_[body + 1]; });

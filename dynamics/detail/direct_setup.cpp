@@ -28,8 +28,7 @@ struct Surfaces {
 
 Surfaces surfaces_of(const ProxySet& proxies, const ContactPair& pair, const Manifold& manifold) {
     const auto surface = [&](std::uint32_t slot, std::uint16_t part) {
-        const Proxy& proxy = proxies.by_slot[slot];
-        return surface_of_part(proxy.surface, compound_of(proxy.shape), part);
+        return surface_of_part(proxies.surfaces[slot], part);
     };
     const Surface a = surface(pair.proxy_a, manifold.part_a), b = surface(pair.proxy_b, manifold.part_b);
     const Surface met = combine(a, b);

@@ -51,11 +51,11 @@ Impacts::Bouncer Impacts::make_bouncer(const Manifold& manifold, const ContactPa
     const Proxy& a = proxies.by_slot[pair.proxy_a];
     const Proxy& b = proxies.by_slot[pair.proxy_b];
     Bouncer bouncer;
-    bouncer.a = flyer_of(a.body, bodies);
-    bouncer.b = flyer_of(b.body, bodies);
+    bouncer.a = flyer_of(pair.body_a.slot, bodies);
+    bouncer.b = flyer_of(pair.body_b.slot, bodies);
     bouncer.pair = manifold.pair;
     bouncer.normal = dvec3{manifold.normal};
-    bouncer.touch = kTouchShare * std::min(a.extent, b.extent);
+    bouncer.touch = kTouchShare * std::min(proxies.extents[pair.proxy_a], proxies.extents[pair.proxy_b]);
     bouncer.radius_a = radius_of(a.shape);
     bouncer.radius_b = radius_of(b.shape);
     bouncer.count = manifold.count;
@@ -79,12 +79,10 @@ void Impacts::list(const ContactSet& contacts, const ProxySet& proxies, const Bo
     events_.clear();
     for (const ContactPair& pair : contacts.pairs) {
         if (pair.passes || (proxies.bounces[pair.proxy_a] | proxies.bounces[pair.proxy_b]) == 0) continue;
-        const Proxy& a = proxies.by_slot[pair.proxy_a];
-        const Proxy& b = proxies.by_slot[pair.proxy_b];
+        const ProxySurface &a = proxies.surfaces[pair.proxy_a], &b = proxies.surfaces[pair.proxy_b];
         for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
             const Manifold& manifold = contacts.manifolds[m];
-            const Surface met = combine(surface_of_part(a.surface, compound_of(a.shape), manifold.part_a),
-                                        surface_of_part(b.surface, compound_of(b.shape), manifold.part_b));
+            const Surface met = combine(surface_of_part(a, manifold.part_a), surface_of_part(b, manifold.part_b));
             if (!(met.restitution > 0.0f)) continue;
             Bouncer& bouncer = bouncers_.emplace_back(make_bouncer(manifold, pair, proxies, bodies));
             bouncer.restitution = static_cast<double>(met.restitution);

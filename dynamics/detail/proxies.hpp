@@ -42,15 +42,18 @@ enum class Role : unsigned char { Absent, Static, Kinematic, Dynamic, Asleep };
 }
 
 struct Proxy {
-    ShapeId id;                    ///< null: the slot is free
-    BodyId owner;
-    std::uint32_t body = 0;        ///< slot of the owner
     Shape shape;                   ///< a copy, which stays valid whatever comes and goes; what is large in it is shared
     Pose local{};                  ///< of the shape in its body's principal frame
     double reach = 0.0;            ///< farthest point from the centre of mass [m]
+    Resistance resistance;
+};
+
+/// One that comes, with what ProxySet keeps of it in lists of their own.
+struct NewProxy : Proxy {
+    ShapeId id;
+    BodyId owner;
     double extent = 0.0;           ///< smallest extent of the shape [m]
     Surface surface;
-    Resistance resistance;
 };
 
 /// Bodies of a step, all indexed by slot.
@@ -83,6 +86,11 @@ struct ProxySurface {
     const Compound* compound = nullptr;  ///< whose parts may have surfaces of their own
     bool is_ball = false;                ///< a sphere about the centre of mass: it looks the same however it turns
 };
+
+/// @param part  as Manifold names it.
+[[nodiscard]] inline Surface surface_of_part(const ProxySurface& surface, std::uint16_t part) noexcept {
+    return surface_of_part(surface.surface, surface.compound, part);
+}
 
 /// Where a body was when the box of its shape was made for more than a step, and how far the shape's points may come from there until it has to be made anew.
 struct Anchor {
@@ -130,7 +138,7 @@ struct ProxySet {
 };
 
 /// Puts a proxy at its shape's slot, in place of what is there. Amortised O(1), but for planes, which are kept sorted.
-void put_proxy(ProxySet& set, Proxy proxy, const ProxyFilter& filter);
+void put_proxy(ProxySet& set, NewProxy proxy, const ProxyFilter& filter);
 /// Frees a slot; nothing where it is free.
 void drop_proxy(ProxySet& set, std::uint32_t slot);
 

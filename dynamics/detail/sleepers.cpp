@@ -85,7 +85,7 @@ void Sleepers::wake_by_others(const ProxySet& proxies, double dt, BodyArrays& bo
 void Sleepers::wake_near(const ProxySet& proxies, std::uint32_t proxy, double dt, BodyArrays& bodies) {
     if (proxies.kinds[proxy] == ProxyKind::None) return;
     const Proxy& other = proxies.by_slot[proxy];
-    const BodyState& owner = bodies.states[other.body];
+    const BodyState& owner = bodies.states[proxies.bodies[proxy]];
     const Pose pose = owner.pose * other.local;
     const bool is_plane = proxies.kinds[proxy] == ProxyKind::Plane;
     const Aabb box = is_plane ? Aabb{} : bounds(other.shape, pose);

@@ -17,6 +17,7 @@
 #include <carom/dynamics/detail/part_surface.hpp>
 #include <carom/dynamics/detail/passing.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
+#include <carom/dynamics/detail/shape_list.hpp>
 #include <carom/dynamics/detail/share_choice.hpp>
 #include <carom/dynamics/detail/sleepers.hpp>
 #include <carom/dynamics/detail/step.hpp>
@@ -26,6 +27,7 @@
 #include <carom/narrowphase/collide.hpp>
 
 #include <algorithm>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -36,9 +38,9 @@ namespace dynamics {
 /// A body as users know it; its state is in BodyArrays, at the id's slot.
 struct BodyRecord {
     BodyType type = BodyType::Static;
-    std::string name;
-    std::vector<ShapeId> shapes;
     bool quarantined = false;
+    std::unique_ptr<const std::string> name;  ///< null: it has none
+    ShapeList shapes;
 };
 
 struct ShapeRecord {

@@ -288,7 +288,7 @@ TEST(Proxies, AreListedAgainUntilTheBroadphaseTookThemOver) {
     bodies.states.resize(1);
     bodies.masses.resize(1);
     bodies.roles.assign(1, dynamics::Role::Static);
-    dynamics::Proxy proxy;
+    dynamics::NewProxy proxy;
     proxy.id = {0, 1};
     proxy.shape = Box{};
     SerialExecutor serial;
