@@ -88,7 +88,7 @@ void World::Impl::note_substep(double dt) noexcept {
 
 // Contacts between bodies whose joint leaves them out.
 void World::Impl::drop_parted() {
-    std::erase_if(candidates, [&](const NumberedPair& pair) { return joints.parts(proxies.bodies[pair.a], proxies.bodies[pair.b]); });
+    candidates.erase_if([&](const NumberedPair& pair) { return joints.parts(proxies.bodies[pair.a], proxies.bodies[pair.b]); });
 }
 
 void World::Impl::forget_pushes() {
@@ -146,7 +146,6 @@ void World::Impl::trim_lists() {
     contacts.trim();
     scratch.trim();
     dynamics::trim_kept(last_manifolds);
-    dynamics::trim_kept(candidates);
     dynamics::trim_kept(names.now);
     dynamics::trim_scratch(names.before);
     contact_changes.trim();
@@ -167,7 +166,7 @@ void World::Impl::find_contacts(dynamics::Step& step, const dynamics::Motion& mo
         if (update.number == last) {  // refused, which was reported: the next step asks again
             dynamics::note_refused(proxies);
             pairs_complete = false;
-            candidates.clear();
+            candidates.release();
             return names.now.clear();
         }
         dynamics::note_listed(proxies);
@@ -178,9 +177,9 @@ void World::Impl::find_contacts(dynamics::Step& step, const dynamics::Motion& mo
         dynamics::list_candidates(proxies, arrays, update.pairs, motion.dt, threads(), candidate_parts, candidates);
         if (joints.parts_any()) drop_parted();
         if (sleepers.is_on()) dynamics::Sleepers::drop_idle(proxies, arrays, candidates);
+        step.report.pairs = candidates.size();
         keeps = choose_looked(motion.dt);
         reuses = !keeps && def.contact_reuse > 0.0 && dynamics::name_candidates(proxies, def.contact_reuse, candidates, names, threads());
-        step.report.pairs = candidates.size();
     });
     patched = keeps;
     if (keeps) return step.run(Stage::Collide, [&] { patch_contacts(step); });
@@ -195,6 +194,7 @@ void World::Impl::find_contacts(dynamics::Step& step, const dynamics::Motion& mo
         step.report.reused = counts.reused;
         const auto pair_of = [&](std::uint32_t i) { return dynamics::contact_pair(proxies, candidates[i]); };
         dynamics::link_manifolds(contacts, pair_of, previous, impulse_scale(motion.dt), threads());
+        candidates.release();
     });
 }
 
@@ -269,8 +269,7 @@ void World::Impl::give_up_step() noexcept {
     contacts.clear();
     previous.clear();
     last_manifolds.clear();
-    looked.release();
-    candidates.clear();
+    candidates.release();
     names.now.clear();
     broadphase.clear();
     dynamics::note_cleared(proxies);

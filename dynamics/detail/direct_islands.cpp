@@ -46,7 +46,7 @@ double least_load(const ContactPair& pair, const BodyArrays& bodies, const dvec3
 bool is_plain(const DirectWorld& world, std::span<const std::uint32_t> bodies, std::span<const std::uint32_t> manifolds) {
     for (const std::uint32_t m : manifolds) {
         const ContactPair& pair = world.contacts.pairs[world.contacts.manifolds[m].pair];
-        if (pair.flies || resists(world.proxies.by_slot[pair.proxy_a].resistance) || resists(world.proxies.by_slot[pair.proxy_b].resistance)) return false;
+        if (pair.flies || resists(world.proxies.by_slot[pair.proxy_a()].resistance) || resists(world.proxies.by_slot[pair.proxy_b()].resistance)) return false;
     }
     return std::ranges::all_of(bodies, [&](std::uint32_t slot) {
         return world.bodies.masses[slot].locked == LockedAxes::None && (world.jointed.empty() || world.jointed[slot] == 0);

@@ -12,11 +12,13 @@
 #include <carom/dynamics/detail/body_state.hpp>
 #include <carom/dynamics/detail/contact_set.hpp>
 #include <carom/dynamics/detail/part_surface.hpp>
+#include <carom/dynamics/detail/scratch_pool.hpp>
 #include <carom/narrowphase/collide.hpp>
 
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -196,7 +198,12 @@ using CandidateParts = std::vector<CandidatePart>;
 /// extent: contacts predicted from farther away would stop bodies that only pass by; and beside it, where both have room or lie still, what they may move
 /// until they are looked at again. Otherwise that is in the next step.
 void list_candidates(const ProxySet& set, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt, Executor& executor,
-                     CandidateParts& parts, std::vector<NumberedPair>& out);
+                     CandidateParts& parts, ScratchList<NumberedPair>& out);
+
+/// After the step: what it listed of two slots, by a < b but for planes, which come last. Steps keep no list of them.
+/// @return nothing where they were no candidate.
+[[nodiscard]] std::optional<NumberedPair> find_candidate(const ProxySet& set, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt,
+                                                         std::uint32_t a, std::uint32_t b);
 
 /// @return how far the two may have come together from where their boxes were made before their contact is looked at again: `share` of the smaller shape's
 /// smallest extent, less of a curved one's [m].
@@ -218,6 +225,7 @@ struct CandidateNames {
 /// Numbers each candidate by the same pair of the same two shapes in the step before, and gives it the slack `share` times the smaller
 /// shape's smallest extent, but for two boxes, and for what bounces and is not calm: a contact ahead of its time would slow it down.
 /// @return whether there are any but those: otherwise nothing is numbered.
+[[nodiscard]] float slack_of(const ProxySet& set, double share, const NumberedPair& pair) noexcept;
 bool name_candidates(const ProxySet& set, double share, std::span<NumberedPair> candidates, CandidateNames& names, Executor& executor);
 
 /// @return the pair of a candidate.

@@ -132,8 +132,8 @@ void Sleepers::sync(const BodyArrays& bodies, ProxySet& proxies) noexcept {
     }
 }
 
-void Sleepers::drop_idle(const ProxySet& proxies, const BodyArrays& bodies, std::vector<NumberedPair>& candidates) {
-    std::erase_if(candidates, [&](const NumberedPair& pair) {
+void Sleepers::drop_idle(const ProxySet& proxies, const BodyArrays& bodies, ScratchList<NumberedPair>& candidates) {
+    candidates.erase_if([&](const NumberedPair& pair) {
         const std::uint32_t a = proxies.bodies[pair.a], b = proxies.bodies[pair.b];
         const bool meet = (has_mass(bodies.roles[a]) && stirs(bodies, b)) || (has_mass(bodies.roles[b]) && stirs(bodies, a));
         return !meet && bodies.roles[a] != Role::Dynamic && bodies.roles[b] != Role::Dynamic;

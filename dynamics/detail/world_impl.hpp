@@ -221,13 +221,12 @@ struct World::Impl {
     dynamics::Census census;
     dynamics::ProxySet proxies;
     Broadphase broadphase;
-    std::vector<NumberedPair> candidates;
     dynamics::CandidateParts candidate_parts;
     dynamics::CandidateNames names;
     CollideScratch collide_scratch;
     dynamics::ContactSet contacts;
     dynamics::ScratchPool scratch;         // of stages
-    dynamics::ScratchList<NumberedPair> looked{scratch};  // candidates that are looked at where contacts are kept
+    dynamics::ScratchList<NumberedPair> candidates{scratch};  // until contacts are found; those that are looked at where the others are kept
     dynamics::CarriedContacts previous{scratch};  // of the step before, while those of this one are found
     std::vector<Manifold> last_manifolds;  // of the step before, where pairs of it may be carried along; else empty
     dynamics::ContactChanges contact_changes;

@@ -35,8 +35,8 @@ ContactSet set_of(std::initializer_list<std::uint64_t> keys, std::vector<Manifol
     link_manifolds(set, [&](std::uint32_t candidate) {
         ContactPair pair;
         pair.key = all[candidate];
-        pair.shape_a = {1, 7};
-        pair.shape_b = {2, generation};
+        pair.generation_a = 7;
+        pair.generation_b = generation;
         return pair;
     }, carried(before), scale, executor);
     return set;
