@@ -57,8 +57,8 @@ SweepImpact impact_of(const LastPaths& last, const PathImpact& impact) {
     out.watched = dynamics::kRestOfLevel[impact.level];
     out.point = impact.point, out.normal = impact.normal;
     out.blow = impact.blow;
-    out.pose_a = impact.pose_a * inverse(last.paths.bodies[a.body.slot].mass.principal);
-    out.pose_b = impact.pose_b * inverse(last.paths.bodies[b.body.slot].mass.principal);
+    out.pose_a = impact.pose_a * inverse(last.paths.bodies[a.body.slot].principal);
+    out.pose_b = impact.pose_b * inverse(last.paths.bodies[b.body.slot].principal);
     // Found anew, from the impact before it.
     double begin = 0.0;
     for (const dynamics::PathLeg& leg : last.paths.legs) {
@@ -272,7 +272,7 @@ Pose World::pose_within_step(BodyId body, double t) const {
                   w.body_pose(body));
     if (!w.paths.has(body)) return w.body_pose(body);
     const RecordedPath path(w.paths, body.slot);
-    return path.pose_at(t) * inverse(w.paths.bodies[body.slot].mass.principal);
+    return path.pose_at(t) * inverse(w.paths.bodies[body.slot].principal);
 }
 
 }  // namespace carom

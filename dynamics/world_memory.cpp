@@ -18,7 +18,7 @@ WorldMemory World::memory() const noexcept {
     const Impl& w = *impl_;
     WorldMemory sum;
     sum.bodies = sizeof(Impl) + w.bodies.memory() +
-                 held_by(w.body_order, w.arrays.states, w.arrays.masses, w.arrays.roles, w.arrays.traits, w.last_valid);
+                 held_by(w.body_order, w.arrays.states, w.arrays.masses, w.arrays.roles, w.arrays.traits, w.arrays.principals, w.last_valid);
     for (const BodyId body : w.body_order) {
         const dynamics::BodyRecord& record = *w.bodies.find(body);
         sum.bodies += record.shapes.memory() + held_by_name(record.name);

@@ -115,7 +115,7 @@ void World::Impl::quarantine_unusable(double dt, StepReport& report) {
             if (arrays.roles[slot] == Role::Absent || arrays.roles[slot] == Role::Asleep) continue;
             const dynamics::BodyState& state = arrays.states[slot];
             if (dynamics::is_usable(state, dt) && can_be_pushed(slot, dt)) {
-                last_valid[slot] = {body_order[i], state.pose, state.velocity};
+                last_valid[slot] = {state.pose, state.velocity};
             } else {
                 all_usable = false;
             }
@@ -132,8 +132,7 @@ void World::Impl::quarantine_unusable(double dt, StepReport& report) {
         if (arrays.roles[slot] == Role::Absent || arrays.roles[slot] == Role::Asleep) continue;
         dynamics::BodyState& state = arrays.states[slot];
         if (dynamics::is_usable(state, dt) && can_be_pushed(slot, dt)) continue;
-        // A body that was never valid has no pose to go back to but the origin.
-        state = {last_valid[slot].id == id ? last_valid[slot].pose : Pose{}, dvec3{0.0}, dvec3{0.0}};
+        state = {last_valid[slot].pose, dvec3{0.0}, dvec3{0.0}};
         take_out(id);
         arrays.roles[slot] = Role::Absent;
         bodies.find(id)->quarantined = true;
@@ -144,7 +143,13 @@ void World::Impl::quarantine_unusable(double dt, StepReport& report) {
 // What lists of a step hold beyond what it needed.
 void World::Impl::trim_lists() {
     contacts.trim();
+    solver.trim();
+    direct.trim();
     scratch.trim();
+    if (whole_looks.take_seldom()) {
+        dynamics::drop(contacts.firsts);
+        if (patched) collide_scratch = {};  // it has room for all pairs, and remembers none
+    }
     dynamics::trim_kept(last_manifolds);
     dynamics::trim_kept(names.now);
     dynamics::trim_scratch(names.before);
@@ -183,6 +188,7 @@ void World::Impl::find_contacts(dynamics::Step& step, const dynamics::Motion& mo
     });
     patched = keeps;
     if (keeps) return step.run(Stage::Collide, [&] { patch_contacts(step); });
+    whole_looks.note();
     if (!std::exchange(taken_over, true)) take_over_contacts(step);
     step.run(Stage::Collide, [&] {
         const PlacedShapes placed{proxies.shapes, proxies.poses};

@@ -10,6 +10,8 @@
 #include <bit>
 #include <cstddef>
 #include <cstring>
+#include <functional>
+#include <type_traits>
 #include <utility>
 
 namespace carom::dynamics {
@@ -284,6 +286,35 @@ void ContactSolver::fill_moves(const ContactSet& contacts, const ProxySet& proxi
         ContactBundle& to = bundles_[move.place / kLanesPerBundle];
         to.deep += move.deep;
         CAROM_ASSERT(is_alone(to, move.place % kLanesPerBundle, rows_.movable));
+    }
+}
+
+void ContactSolver::trim() {
+    if (!layouts_.take_seldom()) return;
+    drop(lane_order_, lanes_, places_);
+    coloring_.trim();
+    constexpr std::size_t kShare = 32, kFew = 16;  // of what is in use, to spare: these are the largest lists
+    const auto is_loose = [](const auto& list) { return list.capacity() > list.size() + list.size() / kShare + kFew; };
+    const auto tighten = [](auto& list) {
+        std::remove_reference_t<decltype(list)> tighter;
+        tighter.reserve(list.size());
+        tighter.assign(list.begin(), list.end());
+        list.swap(tighter);
+    };
+    if (is_loose(bundles_)) tighten(bundles_);
+    if (is_loose(points_)) {
+        const PointLanes* const was = points_.data();
+        const auto* const end = was + points_.size();
+        const std::less<> before;
+        const auto is_dealt_out = [&](const PointLanes* p) { return !before(p, was) && before(p, end); };  // others have room of their own
+        std::vector<std::size_t> firsts(bundles_.size(), points_.size());
+        for (std::size_t b = 0; b < bundles_.size(); ++b) {
+            if (is_dealt_out(bundles_[b].points)) firsts[b] = static_cast<std::size_t>(bundles_[b].points - was);
+        }
+        tighten(points_);
+        for (std::size_t b = 0; b < bundles_.size(); ++b) {
+            if (firsts[b] < points_.size()) bundles_[b].points = points_.data() + firsts[b];
+        }
     }
 }
 

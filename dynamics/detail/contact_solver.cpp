@@ -78,6 +78,7 @@ void ContactSolver::prepare(const ContactSet& contacts, std::span<const unsigned
     number_rows(contacts, bodies);
     fill_sides(proxies, bodies, executor);
     fill_contact_rows(contacts, executor);
+    layouts_.note();
     coloring_.color(contact_rows_, rows_.movable);
     sort_by_points();
     lay_out_bundles();

@@ -86,6 +86,8 @@ public:
 
     /// After a step that was not finished: resume() has to wait for the next prepare().
     void forget() noexcept { is_whole_ = false, rows_.release(), moves_.release(); }
+    /// After store(). Where bundles are seldom laid out, gives back what that takes, and what they do not fill.
+    void trim();
     /// [bytes], without what is of the pool.
     [[nodiscard]] std::size_t memory() const noexcept;
 
@@ -215,6 +217,7 @@ private:
     std::uint32_t first_overflow_bundle_ = 0;  // these are solved one after the other
     std::size_t deep_count_ = 0;
     std::size_t point_count_ = 0;
+    Uses layouts_;
     bool is_whole_ = false;                                    // what is in the bundles is all that the bodies of the rows have
     bool places_known_ = false;                                // those below are of what is in the bundles
     std::vector<Place> places_of_;                             // by manifold; kNowhere where it has no lane

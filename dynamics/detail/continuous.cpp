@@ -51,7 +51,14 @@ void Continuous::prepare(std::size_t slots, std::span<const std::uint32_t> free)
     }
 }
 
-void Continuous::trim() { trim_kept(departures_); }
+void Continuous::trim() {
+    trim_kept(departures_);
+    if (!runs_.take_seldom()) return;
+    drop(number_of_stray_, is_stray_, mover_of_slot_, fast_pairs_, events_, seen_);
+    constexpr std::size_t kFewMovers = 16;
+    if (movers_.size() > kFewMovers) movers_.resize(kFewMovers), movers_.shrink_to_fit();
+    mover_count_ = 0;
+}
 
 void Continuous::list_bodies(const ContinuousScene& scene) {
     const std::size_t slots = scene.bodies.roles.size();
@@ -149,6 +156,7 @@ void Continuous::record(const ContinuousScene& scene, StepPaths& paths) {
         if (body.flies) body.start = departure_of(slot)->start;
         body.motion = scene.free_motion(slot);
         body.mass = scene.bodies.masses[slot];
+        body.principal = scene.bodies.principal(slot);
         body.follow = finding_of(scene, slot);
     }
     paths_ = &paths;

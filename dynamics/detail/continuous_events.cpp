@@ -30,6 +30,7 @@ void take_back_pull(dvec3& velocity, const dvec3& pull) noexcept {
 
 void Continuous::run(const ContinuousScene& scene) {
     const std::size_t slots = scene.bodies.roles.size();
+    runs_.note();
     mover_of_slot_.assign(slots, kNone);
     mover_count_ = 0;
     events_.clear();

@@ -86,6 +86,7 @@ bool DirectIslands::list_tasks(const DirectWorld& world, const DirectStep& step,
     if (!all && many && number % kLookEvery != 0) return false;
     if (!impulses && !stiff_.look(world.contacts, world.proxies, world.bodies, law_of(step), held_before_) && !all) return false;
     if (all) all_.assign(world.contacts.manifolds.size(), 1);
+    gathers_.note();
     links_.link(world.contacts, world.bodies.roles);
     links_.gather(world.contacts, world.bodies.roles, all ? all_ : stiff_.marks());
     local_of_slot_.assign(world.bodies.roles.size(), kNoBody);
@@ -258,6 +259,11 @@ void DirectIslands::solve(const DirectWorld& world, const DirectStep& step, Exec
             leave_alone(memory, kLongestWait);
         }
     }
+}
+
+void DirectIslands::trim() noexcept {
+    stiff_.trim();
+    if (gathers_.take_seldom()) links_.drop_islands();
 }
 
 std::size_t DirectIslands::memory() const noexcept {

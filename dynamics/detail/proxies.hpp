@@ -64,6 +64,14 @@ struct BodyArrays {
     std::vector<BodyMass> masses;
     std::vector<Role> roles;
     std::vector<BodyTraits> traits;  ///< empty while no body asks for any or has locked axes, which costs nothing then
+    std::vector<Pose> principals;    ///< of principal frames in their bodies' own; empty while no body has another than its own
+
+    [[nodiscard]] Pose principal(std::size_t slot) const noexcept { return principals.empty() ? Pose{} : principals[slot]; }
+    void set_principal(std::size_t slot, const Pose& frame) {
+        if (principals.empty() && frame == Pose{}) return;
+        if (principals.size() < states.size()) principals.resize(states.size());
+        principals[slot] = frame;
+    }
 
     /// @return what pulls a dynamic body beside its contacts [m/s²].
     [[nodiscard]] dvec3 acceleration(std::size_t slot, const dvec3& gravity) const noexcept {

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <cstddef>
+#include <utility>
 #include <vector>
 
 namespace carom::dynamics {
@@ -63,6 +64,24 @@ void trim_scratch(std::vector<T>& list) {
     list.reserve(with_room(size));
     list.resize(size);
 }
+
+/// All of it, and what is in it; lists of a few kilobytes are not worth a new allocation.
+template <class... T>
+void drop(std::vector<T>&... lists) noexcept {
+    constexpr std::size_t kFew = 8192;  // [bytes]
+    ((lists.capacity() * sizeof(T) > kFew ? std::vector<T>().swap(lists) : void()), ...);
+}
+
+/// How often steps had use for something since it was trimmed last.
+class Uses {
+public:
+    void note() noexcept { ++count_; }
+    /// @return whether it was so seldom, of kTrimEvery steps, that what it needs is better given back. Counts from 0 again.
+    [[nodiscard]] bool take_seldom() noexcept { return std::exchange(count_, 0) <= kTrimEvery / 16; }
+
+private:
+    std::size_t count_ = 0;
+};
 
 /// @return what the lists hold, in use or not [bytes].
 template <class... T>

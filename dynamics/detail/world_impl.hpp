@@ -49,9 +49,8 @@ struct ShapeRecord {
     ShapeDef def;
 };
 
-/// The last pose of a body from which a step could go on, and its velocity there.
+/// The last pose of a body from which a step could go on, and its velocity there; where there was none, the origin.
 struct ValidPose {
-    BodyId id;
     Pose pose;
     dvec3 velocity{0.0};
 };
@@ -234,6 +233,7 @@ struct World::Impl {
     bool contacts_held = false;   // so it was when this step began
     bool pairs_complete = false;  // the broadphase listed all
     std::vector<unsigned char> displaced;  // by slot: bodies that others than the contact solver put where they are
+    dynamics::Uses whole_looks;               // steps that find all contacts anew
     bool taken_over = false, patched = false;  // in this step: whether `previous` has the contacts of the step before, or `contacts` still are those
     bool carries = false;                     // when it began, the candidates of the step before had names
     dynamics::Passing passing;

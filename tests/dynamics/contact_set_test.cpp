@@ -174,9 +174,9 @@ TEST(CarriedContacts, AreTheSameOnAnyThreadsAndTakeAQuarterOfTheContacts) {
             }
         }
     }
-    // Of a pile's pairs, which have one manifold with two points: 72 of 256 bytes.
+    // Of a pile's pairs, which have one manifold with two points: 72 of 240 bytes.
     EXPECT_EQ(sizeof(CarriedPair) + 2 * sizeof(CarriedPoint), 72u);
-    EXPECT_EQ(sizeof(ContactPair) + sizeof(Manifold) + sizeof(ManifoldImpulses), 256u);
+    EXPECT_EQ(sizeof(ContactPair) + sizeof(Manifold) + sizeof(ManifoldImpulses), 240u);
 }
 
 TEST(CarriedContacts, WhatWakesComesInByKey) {
