@@ -65,14 +65,19 @@ struct alignas(64) FrameMass {
     Wide<float> inverse_mass{};
 };
 
+/// What passes make of a lane, a bit each.
+struct LaneTraits {
+    static constexpr std::int32_t kBallA = 1, kBallB = 2;  ///< the body is a ball: its contact point does not turn with it
+    static constexpr std::int32_t kFixed = 4;              ///< one of the two cannot give way: the contact is stiffer
+};
+
 struct alignas(64) ContactBundle {
     Wide<std::int32_t> row_a{}, row_b{};  ///< rows of SolverBody; unused lanes point at the row that never moves
     Wide<float> nx{}, ny{}, nz{};         ///< normal from A to B
     FrameMass a, b;
     Wide<float> friction{};
     Wide<float> curvature{};              ///< of two balls: 1 / (2 × distance of their centres) [1/m]; 0 elsewhere
-    Wide<float> turns_a{}, turns_b{};     ///< 0 where the body is a ball: its contact point does not turn with it; 1 elsewhere
-    Wide<float> bias_rate{}, mass_scale{}, impulse_scale{};  ///< soft contact (see soft_contact)
+    Wide<std::int32_t> traits{};          ///< bits of LaneTraits
     Wide<float> push_limit{};             ///< overlap is removed at this speed at most [m/s]
     Wide<std::uint32_t> manifold{};       ///< index of the manifold; kUnusedLane where there is none
     PointLanes* points = nullptr;         ///< as many as some lane has: most manifolds have one or two of four

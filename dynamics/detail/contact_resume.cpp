@@ -38,11 +38,12 @@ void copy_lane(const ContactBundle& from, std::size_t source, ContactBundle& to,
 }
 
 /// Points of a lane whose push-out is limited.
-std::int32_t deep_in(const ContactBundle& c, std::size_t lane) {
+std::int32_t deep_in(const ContactBundle& c, std::size_t lane, const SoftContacts& soft) {
+    const float bias_rate = ((c.traits[lane] & LaneTraits::kFixed) != 0 ? soft.fixed : soft.moving).bias_rate;
     std::int32_t deep = 0;
     for (std::int32_t k = 0; k < c.point_count; ++k) {
         const PointLanes& p = c.points[static_cast<std::size_t>(k)];
-        deep += p.normal_mass[lane] > 0.0f && c.bias_rate[lane] * p.separation[lane] < -c.push_limit[lane] ? 1 : 0;
+        deep += p.normal_mass[lane] > 0.0f && bias_rate * p.separation[lane] < -c.push_limit[lane] ? 1 : 0;
     }
     return deep;
 }
@@ -261,14 +262,14 @@ void ContactSolver::fill_group(std::size_t first, std::size_t count, const Conta
         const std::uint32_t m = some.manifold[lane] = lane < count ? moves_[first + lane].manifold : kUnusedLane;
         put_row(some, lane, m == kUnusedLane ? unused_row() : row(m));
     }
-    prepare_bundles({&some, 1}, {contacts.manifolds, contacts.impulses, rows_, soft_, soft_fixed_});
+    prepare_bundles({&some, 1}, {contacts.manifolds, contacts.impulses, rows_, soft_});
     for (std::size_t lane = 0; lane < count; ++lane) {
         Move& move = moves_[first + lane];
         ContactBundle& to = bundles_[move.place / kLanesPerBundle];
         const std::size_t into = move.place % kLanesPerBundle;
-        const std::int32_t deep = deep_in(to, into);
+        const std::int32_t deep = deep_in(to, into, soft_);
         copy_lane(some, lane, to, into);
-        move.deep = deep_in(to, into) - deep;
+        move.deep = deep_in(to, into, soft_) - deep;
     }
 }
 

@@ -68,8 +68,7 @@ void ContactSolver::prepare(const ContactSet& contacts, std::span<const unsigned
     settings_ = settings;
     const double h = settings.substep();
     const double frequency = settings.contact_rate / h;
-    soft_ = soft_contact(frequency, settings.damping, h);
-    soft_fixed_ = soft_contact(2.0 * frequency, settings.damping, h);
+    soft_ = {soft_contact(frequency, settings.damping, h), soft_contact(2.0 * frequency, settings.damping, h)};
 
     moves_.release();
     point_count_ = contacts.summary.points;
@@ -85,7 +84,7 @@ void ContactSolver::prepare(const ContactSet& contacts, std::span<const unsigned
     fill_lanes(executor);
     put_rows(contacts, proxies, executor);
     begin_rows(proxies, bodies, executor);  // where the sides were
-    const PrepareInput input{contacts.manifolds, contacts.impulses, rows_, soft_, soft_fixed_};
+    const PrepareInput input{contacts.manifolds, contacts.impulses, rows_, soft_};
     deep_count_ = 0;
     for_bundles(executor, [&](std::span<ContactBundle> some) {
         prepare_bundles(some, input);
@@ -375,7 +374,7 @@ void ContactSolver::for_bundles(Executor& executor, FunctionRef<void(std::span<C
 }
 
 void ContactSolver::carry_gaps(std::span<Manifold> manifolds, Executor& executor) {
-    for_bundles(executor, [&](std::span<ContactBundle> some) { dynamics::carry_gaps(some, manifolds); });
+    for_bundles(executor, [&](std::span<ContactBundle> some) { dynamics::carry_gaps(some, manifolds, soft_); });
 }
 
 void ContactSolver::store(BodyArrays& bodies, ContactSet& contacts, Executor& executor) {

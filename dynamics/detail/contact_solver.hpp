@@ -185,7 +185,7 @@ private:
     SolverSettings settings_;
     int moves_listed_ = 0;     // of the step
     bool gaps_known_ = false;  ///< of the points in the bundles: no body has moved since
-    SoftContact soft_, soft_fixed_;
+    SoftContacts soft_;
     SolverBodies rows_;
     RowRules rules_;
     RollingRows rolling_;

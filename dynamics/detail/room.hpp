@@ -3,6 +3,7 @@
 //   if (++steps % kTrimEvery == 0) trim_kept(contacts.pairs), trim_scratch(bundles);
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <utility>
 #include <vector>
@@ -17,7 +18,11 @@ inline constexpr std::size_t kTrimEvery = 64;
 [[nodiscard]] constexpr std::size_t with_room(std::size_t size) noexcept { return size + size / 16; }
 
 /// Whether so much more is held than is in use that it is worth a new allocation.
-[[nodiscard]] constexpr bool is_roomy(std::size_t capacity, std::size_t size) noexcept { return capacity > size + size / 8 + 32; }
+template <class T>
+[[nodiscard]] constexpr bool is_roomy(const std::vector<T>& list, std::size_t size) noexcept {
+    constexpr std::size_t kFew = std::max<std::size_t>(2, std::min<std::size_t>(32, 8192 / sizeof(T)));
+    return list.capacity() > size + size / 8 + kFew;
+}
 
 /// Where there is no room for so many, a sixteenth more than they need: standard vectors double.
 template <class T>
@@ -38,7 +43,7 @@ T& append_with_room(std::vector<T>& list) {
 /// The same of a list that is written before it is read, which gives back what is much more than that at once.
 template <class T>
 void resize_scratch(std::vector<T>& list, std::size_t size) {
-    if (list.capacity() < size || is_roomy(list.capacity(), size)) {
+    if (list.capacity() < size || is_roomy(list, size)) {
         std::vector<T>().swap(list);  // first, so that the two are not there at once
         list.reserve(with_room(size));
     }
@@ -48,7 +53,7 @@ void resize_scratch(std::vector<T>& list, std::size_t size) {
 /// Keeps what is in the list, which moves.
 template <class T>
 void trim_kept(std::vector<T>& list) {
-    if (!is_roomy(list.capacity(), list.size())) return;
+    if (!is_roomy(list, list.size())) return;
     std::vector<T> tighter;
     tighter.reserve(with_room(list.size()));
     tighter.assign(list.begin(), list.end());
@@ -58,7 +63,7 @@ void trim_kept(std::vector<T>& list) {
 /// Of a list that is written before it is read: what is in it is lost. It is of its length still, so that who fills it finds it as it was.
 template <class T>
 void trim_scratch(std::vector<T>& list) {
-    if (!is_roomy(list.capacity(), list.size())) return;
+    if (!is_roomy(list, list.size())) return;
     const std::size_t size = list.size();
     std::vector<T>().swap(list);
     list.reserve(with_room(size));
