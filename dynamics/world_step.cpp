@@ -142,13 +142,14 @@ void World::Impl::quarantine_unusable(double dt, StepReport& report) {
 
 // What lists of a step hold beyond what it needed.
 void World::Impl::trim_lists() {
+    constexpr std::size_t kManyPairs = 1024;
     contacts.trim();
     solver.trim();
     direct.trim();
     scratch.trim();
     if (whole_looks.take_seldom()) {
         dynamics::drop(contacts.firsts);
-        if (patched) collide_scratch = {};  // it has room for all pairs, and remembers none
+        if (patched && broadphase.result().pairs.size() > kManyPairs) collide_scratch = {};  // it has room for a thousand at a time, and remembers none
     }
     dynamics::trim_kept(last_manifolds);
     dynamics::trim_kept(names.now);

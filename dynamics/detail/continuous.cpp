@@ -51,15 +51,6 @@ void Continuous::prepare(std::size_t slots, std::span<const std::uint32_t> free)
     }
 }
 
-void Continuous::trim() {
-    trim_kept(departures_);
-    if (!runs_.take_seldom()) return;
-    drop(number_of_stray_, is_stray_, mover_of_slot_, fast_pairs_, events_, seen_);
-    constexpr std::size_t kFewMovers = 16;
-    if (movers_.size() > kFewMovers) movers_.resize(kFewMovers), movers_.shrink_to_fit();
-    mover_count_ = 0;
-}
-
 void Continuous::list_bodies(const ContinuousScene& scene) {
     const std::size_t slots = scene.bodies.roles.size();
     list_body_sizes(scene.proxies, slots, sizes_);
@@ -394,13 +385,6 @@ void Continuous::for_each_near(const ContinuousScene& scene, const Mover& mover,
         if (slot == mover.slot) return;
         for (std::uint32_t i = first_proxy_[slot]; i < first_proxy_[slot + 1]; ++i) see(proxies_[i]);
     });
-}
-
-std::size_t Continuous::memory() const noexcept {
-    std::size_t sum = movers_.size() * sizeof(Mover) + stray_boxes_.memory() + held_by(wishes_, sizes_, first_proxy_, proxies_, departures_, departure_of_slot_) +
-                      held_by(fast_, is_fast_, strays_, number_of_stray_, is_stray_, mover_of_slot_, fast_pairs_, displaced_, events_, seen_, manifolds_);
-    for (const FastPairs& some : fast_pairs_) sum += held_by(some.pairs);
-    return sum;
 }
 
 }  // namespace carom::dynamics

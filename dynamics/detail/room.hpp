@@ -17,10 +17,10 @@ inline constexpr std::size_t kTrimEvery = 64;
 /// A sixteenth more than is in use: what a trimmed list has room for.
 [[nodiscard]] constexpr std::size_t with_room(std::size_t size) noexcept { return size + size / 16; }
 
-/// Whether so much more is held than is in use that it is worth a new allocation.
+/// Whether so much more is held than is in use that it is worth a new allocation: an eighth, and 32 values or 32 kB.
 template <class T>
 [[nodiscard]] constexpr bool is_roomy(const std::vector<T>& list, std::size_t size) noexcept {
-    constexpr std::size_t kFew = std::max<std::size_t>(2, std::min<std::size_t>(32, 8192 / sizeof(T)));
+    constexpr std::size_t kFew = std::max<std::size_t>(2, std::min<std::size_t>(32, 32768 / sizeof(T)));
     return list.capacity() > size + size / 8 + kFew;
 }
 

@@ -65,8 +65,8 @@ private:
         std::swap(size_, other.size_);
     }
 
-    ShapeId one_;                ///< of one
-    ShapeId* many_ = nullptr;    ///< of more
+    ShapeId one_;              ///< of one
+    ShapeId* many_ = nullptr;  ///< of more
     std::size_t size_ = 0;
 };
 
