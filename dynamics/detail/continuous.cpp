@@ -51,15 +51,13 @@ void Continuous::prepare(std::size_t slots, std::span<const std::uint32_t> free)
     }
 }
 
-void Continuous::trim() { trim_kept(departures_); }
-
 void Continuous::list_bodies(const ContinuousScene& scene) {
     const std::size_t slots = scene.bodies.roles.size();
     list_body_sizes(scene.proxies, slots, sizes_);
     first_proxy_.assign(slots + 1, 0);
     const auto for_each_proxy = [&](const auto& visit) {
         for (std::uint32_t i = 0; i < scene.proxies.by_slot.size(); ++i) {
-            if (scene.proxies.kinds[i] != ProxyKind::None) visit(i, scene.proxies.by_slot[i].body);
+            if (scene.proxies.kinds[i] != ProxyKind::None) visit(i, scene.proxies.bodies[i]);
         }
     };
     for_each_proxy([&](std::uint32_t, std::uint32_t body) { ++first_proxy_[body + 1]; });
@@ -149,6 +147,7 @@ void Continuous::record(const ContinuousScene& scene, StepPaths& paths) {
         if (body.flies) body.start = departure_of(slot)->start;
         body.motion = scene.free_motion(slot);
         body.mass = scene.bodies.masses[slot];
+        body.principal = scene.bodies.principal(slot);
         body.follow = finding_of(scene, slot);
     }
     paths_ = &paths;
@@ -386,13 +385,6 @@ void Continuous::for_each_near(const ContinuousScene& scene, const Mover& mover,
         if (slot == mover.slot) return;
         for (std::uint32_t i = first_proxy_[slot]; i < first_proxy_[slot + 1]; ++i) see(proxies_[i]);
     });
-}
-
-std::size_t Continuous::memory() const noexcept {
-    std::size_t sum = movers_.size() * sizeof(Mover) + stray_boxes_.memory() + held_by(wishes_, sizes_, first_proxy_, proxies_, departures_, departure_of_slot_) +
-                      held_by(fast_, is_fast_, strays_, number_of_stray_, is_stray_, mover_of_slot_, fast_pairs_, displaced_, events_, seen_, manifolds_);
-    for (const FastPairs& some : fast_pairs_) sum += held_by(some.pairs);
-    return sum;
 }
 
 }  // namespace carom::dynamics

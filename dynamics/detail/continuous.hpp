@@ -236,6 +236,7 @@ private:
     Mover shifted_;                            // looks for room
     BodyPath standing_;                        // of whom it may meet
     std::vector<std::uint32_t> displaced_;
+    Uses runs_;
     std::size_t mover_count_ = 0;              // those beyond keep their memory
     std::vector<Event> events_;                // a heap
     std::vector<std::uint64_t> seen_;          // by proxy: the look in which it was seen

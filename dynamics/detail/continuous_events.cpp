@@ -30,6 +30,7 @@ void take_back_pull(dvec3& velocity, const dvec3& pull) noexcept {
 
 void Continuous::run(const ContinuousScene& scene) {
     const std::size_t slots = scene.bodies.roles.size();
+    runs_.note();
     mover_of_slot_.assign(slots, kNone);
     mover_count_ = 0;
     events_.clear();
@@ -116,14 +117,15 @@ void Continuous::search_all(const ContinuousScene& scene, std::uint32_t number, 
 
 void Continuous::search(const ContinuousScene& scene, const Pair& pair, double from, int level) {
     const Proxy &a = scene.proxies.by_slot[pair.a], &b = scene.proxies.by_slot[pair.b];
-    const std::uint32_t number_a = mover_of(scene, a.body), number_b = mover_of(scene, b.body);
+    const std::uint32_t body_a = scene.proxies.bodies[pair.a], body_b = scene.proxies.bodies[pair.b];
+    const std::uint32_t number_a = mover_of(scene, body_a), number_b = mover_of(scene, body_b);
     if (go_together(scene, number_a, number_b)) return;
     Mover &mover_a = movers_[number_a], &mover_b = movers_[number_b];
     PathSearch search{.a = {&mover_a.path, &a.shape, &a.local, a.reach}, .b = {&mover_b.path, &b.shape, &b.local, b.reach}};
     search.level = level;
     search.from = from;
     search.tolerance = kSweepToleranceShare * size_of(scene, pair);
-    const Role role = scene.bodies.roles[b.body];
+    const Role role = scene.bodies.roles[body_b];
     if (role == Role::Static || scene.proxies.kinds[pair.b] == ProxyKind::Plane) {
         search.still = scene.proxies.kinds[pair.b] == ProxyKind::Plane ? kEverywhere : bounds(b.shape, scene.proxies.poses[pair.b]);
     }
@@ -143,7 +145,7 @@ void Continuous::search(const ContinuousScene& scene, const Pair& pair, double f
 bool Continuous::overlap_at_start(const ContinuousScene& scene, const Pair& pair, int level) {
     const auto still = [&](std::uint32_t proxy) {
         const Proxy& p = scene.proxies.by_slot[proxy];
-        const PathPiece whole = movers_[mover_of_slot_[p.body]].path.piece(BodyPath::kWhole);
+        const PathPiece whole = movers_[mover_of_slot_[scene.proxies.bodies[proxy]]].path.piece(BodyPath::kWhole);
         return MovingShape{&p.shape, shape_motion(cut(whole, whole.begin, whole.begin), p.local)};
     };
     return first_touch(still(pair.a), level, still(pair.b), {}, cores_).status == ImpactStatus::Overlapping;
@@ -179,6 +181,7 @@ void Continuous::search_deeper(const ContinuousScene& scene, const Pair& pair, d
 // Where the two touch, by the narrowphase; where it finds nothing because the time is a little early, and of what is thinned, by the search.
 void Continuous::find_points(const ContinuousScene& scene, const Event& event, const BodyState& a, const BodyState& b) {
     const Proxy &proxy_a = scene.proxies.by_slot[event.pair.a], &proxy_b = scene.proxies.by_slot[event.pair.b];
+    const ProxySurface &surface_a = scene.proxies.surfaces[event.pair.a], &surface_b = scene.proxies.surfaces[event.pair.b];
     const bool mesh = type_of(proxy_a.shape) == ShapeType::TriangleMesh;
     meeting_.points.clear();
     if (event.level == 0 || event.impact.normal == dvec3{0.0}) {
@@ -188,15 +191,14 @@ void Continuous::find_points(const ContinuousScene& scene, const Event& event, c
         collide({&proxy_a.shape, &proxy_b.shape, pose_a, pose_b, static_cast<float>(margin)}, 0, manifolds_);
         if (mesh && manifolds_.empty()) return;  // only its hull is there
         for (const Manifold& m : manifolds_) {
-            const Surface surface = combine(surface_of_part(proxy_a.surface, compound_of(proxy_a.shape), m.part_a),
-                                            surface_of_part(proxy_b.surface, compound_of(proxy_b.shape), m.part_b));
+            const Surface surface = combine(surface_of_part(surface_a, m.part_a), surface_of_part(surface_b, m.part_b));
             for (const ContactPoint& p : m.used()) {
                 if (!mesh) meeting_.points.push_back({pose_a.position + dvec3{p.position}, dvec3{m.normal}, surface.friction, surface.restitution});
             }
         }
     }
     if (!meeting_.points.empty()) return;
-    const Surface surface = combine(proxy_a.surface, proxy_b.surface);
+    const Surface surface = combine(surface_a.surface, surface_b.surface);
     if (event.impact.normal != dvec3{0.0}) {
         meeting_.points.push_back({event.impact.point, event.impact.normal, surface.friction, surface.restitution});
     } else if (const dvec3 between = a.velocity - point_velocity(b, a.pose.position); between != dvec3{0.0}) {  // no direction is known but the one that must not be gone on
@@ -301,7 +303,7 @@ void Continuous::note_impact(const ContinuousScene& scene, const Event& event, b
     PathImpact& impact = paths_->impacts.emplace_back();
     impact.t = event.t;
     impact.a = event.pair.a, impact.b = event.pair.b;
-    impact.id_a = scene.proxies.by_slot[impact.a].id, impact.id_b = scene.proxies.by_slot[impact.b].id;
+    impact.id_a = scene.proxies.owners[impact.a].shape, impact.id_b = scene.proxies.owners[impact.b].shape;
     impact.level = event.level;
     impact.status = event.impact.status;
     impact.margin = event.bend + kSweepToleranceShare * size_of(scene, event.pair);

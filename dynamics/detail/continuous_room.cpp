@@ -51,4 +51,20 @@ double Continuous::room_for(const ContinuousScene& scene, std::uint32_t slot, st
     return room;
 }
 
+void Continuous::trim() {
+    trim_kept(departures_);
+    if (!runs_.take_seldom()) return;
+    drop(number_of_stray_, is_stray_, mover_of_slot_, fast_pairs_, events_, seen_);
+    constexpr std::size_t kFewMovers = 16;
+    if (movers_.size() > kFewMovers) movers_.resize(kFewMovers), movers_.shrink_to_fit();
+    mover_count_ = 0;
+}
+
+std::size_t Continuous::memory() const noexcept {
+    std::size_t sum = movers_.size() * sizeof(Mover) + stray_boxes_.memory() + held_by(wishes_, sizes_, first_proxy_, proxies_, departures_, departure_of_slot_) +
+                      held_by(fast_, is_fast_, strays_, number_of_stray_, is_stray_, mover_of_slot_, fast_pairs_, displaced_, events_, seen_, manifolds_);
+    for (const FastPairs& some : fast_pairs_) sum += held_by(some.pairs);
+    return sum;
+}
+
 }  // namespace carom::dynamics

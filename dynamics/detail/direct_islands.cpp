@@ -50,7 +50,7 @@ double least_load(const ContactPair& pair, const BodyArrays& bodies, const dvec3
 bool is_plain(const DirectWorld& world, std::span<const std::uint32_t> bodies, std::span<const std::uint32_t> manifolds) {
     for (const std::uint32_t m : manifolds) {
         const ContactPair& pair = world.contacts.pairs[world.contacts.manifolds[m].pair];
-        if (pair.flies || resists(world.proxies.by_slot[pair.proxy_a].resistance) || resists(world.proxies.by_slot[pair.proxy_b].resistance)) return false;
+        if (pair.flies || resists(world.proxies.by_slot[pair.proxy_a()].resistance) || resists(world.proxies.by_slot[pair.proxy_b()].resistance)) return false;
     }
     return std::ranges::all_of(bodies, [&](std::uint32_t slot) {
         return world.bodies.masses[slot].locked == LockedAxes::None && (world.jointed.empty() || world.jointed[slot] == 0);
@@ -90,6 +90,7 @@ bool DirectIslands::list_tasks(const DirectWorld& world, const DirectStep& step,
     if (!all && many && number % kLookEvery != 0) return false;
     if (!impulses && !stiff_.look(world.contacts, world.proxies, world.bodies, law_of(step), held_before_) && !all) return false;
     if (all) all_.assign(world.contacts.manifolds.size(), 1);
+    gathers_.note();
     links_.link(world.contacts, world.bodies.roles);
     links_.gather(world.contacts, world.bodies.roles, all ? all_ : stiff_.marks());
     local_of_slot_.assign(world.bodies.roles.size(), kNoBody);
@@ -264,6 +265,11 @@ void DirectIslands::solve(const DirectWorld& world, const DirectStep& step, Exec
             leave_alone(memory, links_.bodies(task.island).size() <= kFewBodies ? kLongestWaitOfFew : kLongestWait);
         }
     }
+}
+
+void DirectIslands::trim() noexcept {
+    stiff_.trim();
+    if (gathers_.take_seldom()) links_.drop_islands();
 }
 
 std::size_t DirectIslands::memory() const noexcept {

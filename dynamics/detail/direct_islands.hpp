@@ -44,6 +44,8 @@ public:
     /// The same for all slots; empty where none is.
     [[nodiscard]] std::span<const unsigned char> held() const noexcept { return any_held_ ? std::span<const unsigned char>{held_} : std::span<const unsigned char>{}; }
     [[nodiscard]] const DirectCounts& counts() const noexcept { return counts_; }
+    /// Gives back what steps seldom have use for, but for what is remembered of islands.
+    void trim() noexcept;
     [[nodiscard]] std::size_t memory() const noexcept;
 
 private:
@@ -85,6 +87,7 @@ private:
     std::uint64_t step_ = 0;
     ContactMethod method_ = ContactMethod::Automatic;
     IslandLinks links_;
+    Uses gathers_;
     StiffContacts stiff_;
     std::vector<unsigned char> all_;  // marks of every manifold, with ContactMethod::Direct
     std::vector<unsigned char> held_, held_before_;  // by slot
