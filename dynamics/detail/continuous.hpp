@@ -174,8 +174,10 @@ private:
     /// keep_company() of the rest of a step, by the velocities that the two have now.
     [[nodiscard]] bool stay_together(const ContinuousScene& scene, std::uint32_t slot_a, std::uint32_t slot_b) const;
     [[nodiscard]] bool may_meet(const ContinuousScene& scene, std::uint32_t p, std::uint32_t q) const;
-    /// @param skip  the slot of a body that is left out.
-    void search_all(const ContinuousScene& scene, std::uint32_t mover, double from, std::uint32_t skip, Ask ask = Ask::Everybody);
+    /// Of one that is fast, before anybody met anything: of two that are fast, the one of the lesser slot asks.
+    void search_first(const ContinuousScene& scene, std::uint32_t mover, Ask ask);
+    /// Of one whose path is new, even if that begins with the step. @param skip  the slot of a body that is left out.
+    void search_all(const ContinuousScene& scene, std::uint32_t mover, double from, std::uint32_t skip);
     void search(const ContinuousScene& scene, const Pair& pair, double from, int level);
     [[nodiscard]] Pair order(const ContinuousScene& scene, std::uint32_t p, std::uint32_t q) const {
         return swept_order(scene.proxies, scene.bodies.roles, p, q);

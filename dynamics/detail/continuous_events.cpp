@@ -84,7 +84,7 @@ void Continuous::search_from_start(const ContinuousScene& scene) {
         }
     }
     if (complete && strays_.empty() && scene.proxies.planes.empty()) return;
-    for (const std::uint32_t slot : fast_) search_all(scene, mover_of(scene, slot), 0.0, kNone, asks(slot) ? Ask::Everybody : Ask::StraysOnly);
+    for (const std::uint32_t slot : fast_) search_first(scene, mover_of(scene, slot), asks(slot) ? Ask::Everybody : Ask::StraysOnly);
 }
 
 SweptPair swept_order(const ProxySet& proxies, const std::vector<Role>& roles, std::uint32_t p, std::uint32_t q) {
@@ -101,15 +101,25 @@ double swept_size(const ProxySet& proxies, const SweptPair& pair) {
                     proxies.kinds[pair.b] == ProxyKind::Plane ? std::numeric_limits<double>::infinity() : proxies.extents[pair.b]);
 }
 
-void Continuous::search_all(const ContinuousScene& scene, std::uint32_t number, double from, std::uint32_t skip, Ask ask) {
+void Continuous::search_first(const ContinuousScene& scene, std::uint32_t number, Ask ask) {
     const Mover& mover = movers_[number];
     for (std::uint32_t k = first_proxy_[mover.slot]; k < first_proxy_[mover.slot + 1]; ++k) {
         const std::uint32_t p = proxies_[k];
         for_each_near(scene, mover, p, ask, [&](std::uint32_t q) {
             const std::uint32_t other = scene.proxies.bodies[q];
-            const bool other_asks = from == 0.0 && is_fast_[other] != 0 && other < mover.slot;
-            if (from == 0.0 ? keep_company(scene, mover.slot, other) : stay_together(scene, mover.slot, other)) return;
-            if (other != skip && !other_asks) search(scene, order(scene, p, q), from, 0);
+            const bool other_asks = is_fast_[other] != 0 && other < mover.slot;
+            if (!other_asks && !keep_company(scene, mover.slot, other)) search(scene, order(scene, p, q), 0.0, 0);
+        });
+    }
+}
+
+void Continuous::search_all(const ContinuousScene& scene, std::uint32_t number, double from, std::uint32_t skip) {
+    const Mover& mover = movers_[number];
+    for (std::uint32_t k = first_proxy_[mover.slot]; k < first_proxy_[mover.slot + 1]; ++k) {
+        const std::uint32_t p = proxies_[k];
+        for_each_near(scene, mover, p, Ask::Everybody, [&](std::uint32_t q) {
+            const std::uint32_t other = scene.proxies.bodies[q];
+            if (other != skip && !stay_together(scene, mover.slot, other)) search(scene, order(scene, p, q), from, 0);
         });
     }
 }
