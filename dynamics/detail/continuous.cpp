@@ -154,22 +154,6 @@ void Continuous::record(const ContinuousScene& scene, StepPaths& paths) {
     paths_ = &paths;
 }
 
-// Contacts may give a slender body more spin than a step can follow. Left alone it would not be watched, and yet stay in the world if somebody struck it, which
-// slows it as well. What flew has not been turned at all.
-bool Continuous::slow_down(const ContinuousScene& scene, std::uint32_t slot) {
-    const bool flew = flies(scene, slot);
-    BodyState slower = flew ? departure_of(slot)->start : scene.bodies.states[slot];
-    const double spin = glm::length(slower.spin);
-    if (scene.bodies.roles[slot] != Role::Dynamic || !(spin * scene.dt > kMostTurn && spin <= kMostSpeed)) return false;
-    slower.spin *= kSlowedTurn / (spin * scene.dt);
-    const BodyState start = slower;
-    if (flew) integrate_free(slower, scene.bodies.masses[slot], scene.free_motion(slot), scene.dt);
-    if (!is_usable(slower, scene.dt)) return false;
-    if (flew) depart(slot, start), arrive(slot, slower);
-    scene.bodies.states[slot] = slower;
-    return true;
-}
-
 bool Continuous::look(const ContinuousScene& scene) {
     counts_ = {};
     displaced_.clear();

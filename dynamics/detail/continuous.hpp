@@ -155,6 +155,8 @@ private:
     [[nodiscard]] bool is_fast(const ContinuousScene& scene, std::uint32_t slot) const;
     /// Of a body that contacts made spin too fast. @return whether it can be followed then.
     bool slow_down(const ContinuousScene& scene, std::uint32_t slot);
+    /// Of one that was struck, whose moments let it spin faster than it did then.
+    void slow_at_end(const ContinuousScene& scene, BodyState& state);
     void list_strays(const ContinuousScene& scene);
     /// Of a stray, or of what has become one.
     void note_way(std::uint32_t slot, const BodyPath& path);

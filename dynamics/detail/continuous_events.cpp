@@ -48,7 +48,8 @@ void Continuous::run(const ContinuousScene& scene) {
     }
     for (std::uint32_t i = 0; i < mover_count_; ++i) {
         if (!movers_[i].changed) continue;
-        scene.bodies.states[movers_[i].slot] = state_at(scene, movers_[i], 1.0);
+        BodyState& state = scene.bodies.states[movers_[i].slot] = state_at(scene, movers_[i], 1.0);
+        slow_at_end(scene, state);
         displaced_.push_back(movers_[i].slot);
         note_leg(i, 1.0);
     }
