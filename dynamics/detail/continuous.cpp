@@ -205,6 +205,7 @@ void Continuous::list_strays(const ContinuousScene& scene) {
 
 BodyState Continuous::state_at(const ContinuousScene& scene, const Mover& mover, double t) const {
     if (mover.carrier != kNone) return mover.ride.after(mover.flight.start, mover.since, t, scene.dt);
+    if (mover.slides) return {pose_at(mover.path.piece(BodyPath::kWhole), t), mover.flight.start.velocity, mover.flight.start.spin};
     if (mover.stopped) return mover.flight.start;
     if (mover.flies) {
         if (t == 1.0 && mover.since < 1.0) return mover.path.end();
@@ -246,6 +247,8 @@ void Continuous::lay_path(const ContinuousScene& scene, Mover& mover) const {
     const BodyState& now = scene.bodies.states[mover.slot];
     if (mover.carrier != kNone) {
         mover.path.ride(mover.ride, mover.since, path_settings(sizes_[mover.slot], scene.dt));
+    } else if (mover.slides) {
+        mover.path.go({.begin = mover.since, .start = mover.flight.start.pose, .translation = (1.0 - mover.since) * mover.slide});
     } else if (mover.stopped) {
         mover.path.go({.begin = mover.since, .start = mover.flight.start.pose});
     } else if (mover.flies) {
@@ -266,9 +269,9 @@ std::uint32_t Continuous::mover_of(const ContinuousScene& scene, std::uint32_t s
     Mover& mover = movers_[number];
     mover.slot = slot;
     mover.since = 0.0;
-    mover.flies = mover.changed = mover.stopped = mover.crushed = false;
+    mover.flies = mover.changed = mover.stopped = mover.crushed = mover.slides = false;
     mover.carrier = kNone;
-    mover.impacts = 0;
+    mover.impacts = mover.ways = 0;
     mover.version = 0;  // the path keeps its memory
     if (flies(scene, slot)) {
         mover.flies = true;
@@ -321,7 +324,7 @@ bool Continuous::stay_together(const ContinuousScene& scene, std::uint32_t slot_
         const Role role = scene.bodies.roles[slot];
         const Mover* const mover = mover_of_slot_[slot] == kNone ? nullptr : &movers_[mover_of_slot_[slot]];
         const BodyState& state = mover != nullptr && mover->flies ? mover->flight.start : scene.bodies.states[slot];
-        if (mover != nullptr && mover->stopped && (mover->carrier != kNone || scene.bodies.roles[slot == slot_a ? slot_b : slot_a] == Role::Kinematic)) return false;
+        if (mover != nullptr && mover->stopped && (mover->carrier != kNone || mover->slides || scene.bodies.roles[slot == slot_a ? slot_b : slot_a] == Role::Kinematic)) return false;
         if (state.spin != dvec3{0.0} && role == Role::Kinematic && has_plane(scene, slot)) return false;  // seldom, so a search is no loss
         if (moves(role) && (mover == nullptr || !mover->stopped)) {
             velocity[side] = state.velocity;
@@ -374,7 +377,7 @@ void Continuous::for_each_near(const ContinuousScene& scene, const Mover& mover,
 
 std::size_t Continuous::memory() const noexcept {
     std::size_t sum = movers_.size() * sizeof(Mover) + stray_boxes_.memory() + held_by(wishes_, sizes_, first_proxy_, proxies_, departures_, departure_of_slot_) +
-                      held_by(fast_, is_fast_, strays_, number_of_stray_, is_stray_, mover_of_slot_, fast_pairs_, displaced_, events_, seen_, manifolds_);
+                      held_by(fast_, is_fast_, strays_, number_of_stray_, is_stray_, mover_of_slot_, fast_pairs_, displaced_, events_, seen_, manifolds_, obstacles_);
     for (const FastPairs& some : fast_pairs_) sum += held_by(some.pairs);
     return sum;
 }

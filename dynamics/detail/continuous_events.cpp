@@ -260,7 +260,7 @@ void Continuous::strike(const ContinuousScene& scene, std::uint32_t number, doub
     Mover& mover = movers_[number];
     if (scene.bodies.roles[mover.slot] == Role::Asleep) scene.wake(mover.slot);
     if (!mover.flies) mover.flight.motion = {.spin_tolerance = scene.free_motion(mover.slot).spin_tolerance};
-    if (!mover.stopped || mover.carrier != kNone || outcome.carrier != kNone) {
+    if (!mover.stopped || mover.carrier != kNone || mover.slides || outcome.carrier != kNone) {
         note_leg(number, t);
         mover.since = t;
     }
@@ -281,7 +281,8 @@ void Continuous::strike(const ContinuousScene& scene, std::uint32_t number, doub
         take_back_pull(mover.flight.start.velocity, (1.0 - t) * scene.dt * (scene.free_motion(mover.slot).acceleration - mover.flight.motion.acceleration));
     }
     if (mover.stopped && !mover.crushed && outcome.carrier != kNone && may_ride(scene, mover.slot)) {
-        if (mover.carrier == kNone) ++counts_.carried;
+        if (mover.carrier == kNone && !mover.slides && mover.ways == 0) ++counts_.carried;
+        mover.slides = false;
         const PathPiece& way = movers_[outcome.carrier].path.piece(BodyPath::kWhole);
         mover.carrier = outcome.carrier;
         mover.ride = {way, inverse(pose_at(way, t)) * outcome.state.pose};
