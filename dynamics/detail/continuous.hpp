@@ -132,6 +132,7 @@ private:
         StopCause stop = StopCause::None;
         int account = 0;                ///< what goes to it, in sixteenths
         std::uint32_t carrier = kNone;  ///< along with which it goes, if it is stopped
+        std::optional<dvec3> slide{};   ///< by which it goes, if it is: [m] in a whole step
     };
     /// Where one that is carried can go on.
     struct Way {

@@ -260,7 +260,7 @@ void Continuous::strike(const ContinuousScene& scene, std::uint32_t number, doub
     Mover& mover = movers_[number];
     if (scene.bodies.roles[mover.slot] == Role::Asleep) scene.wake(mover.slot);
     if (!mover.flies) mover.flight.motion = {.spin_tolerance = scene.free_motion(mover.slot).spin_tolerance};
-    if (!mover.stopped || mover.carrier != kNone || mover.slides || outcome.carrier != kNone) {
+    if (!mover.stopped || mover.carrier != kNone || mover.slides || outcome.carrier != kNone || outcome.slide) {
         note_leg(number, t);
         mover.since = t;
     }
@@ -286,6 +286,10 @@ void Continuous::strike(const ContinuousScene& scene, std::uint32_t number, doub
         const PathPiece& way = movers_[outcome.carrier].path.piece(BodyPath::kWhole);
         mover.carrier = outcome.carrier;
         mover.ride = {way, inverse(pose_at(way, t)) * outcome.state.pose};
+    } else if (outcome.slide) {
+        mover.slides = true;
+        mover.slide = *outcome.slide;
+        mover.carrier = kNone;
     } else if (mover.carrier != kNone) {
         mover.ride.local = inverse(pose_at(mover.ride.carrier, t)) * outcome.state.pose;  // it may have been moved apart
     }

@@ -110,14 +110,9 @@ void Continuous::take_way(const ContinuousScene& scene, const Choice& choice, do
     Mover& mover = movers_[choice.number];
     ++mover.ways;
     if (mover.carrier == kNone && !mover.slides) ++counts_.carried;
-    strike(scene, choice.number, t, {state, StopCause::Partner, 0, choice.way.carrier});
-    if (choice.way.carrier == kNone) {
-        mover.slides = true;
-        mover.carrier = kNone;
-        mover.slide = t < 1.0 ? choice.way.shift / (1.0 - t) : dvec3{0.0};
-        lay_path(scene, mover);
-        note_way(mover.slot, mover.path);
-    }
+    Outcome outcome{state, StopCause::Partner, 0, choice.way.carrier};
+    if (choice.way.carrier == kNone) outcome.slide = t < 1.0 ? choice.way.shift / (1.0 - t) : dvec3{0.0};
+    strike(scene, choice.number, t, outcome);
     search_all(scene, choice.number, t, kNone);
 }
 
