@@ -324,7 +324,8 @@ bool Continuous::stay_together(const ContinuousScene& scene, std::uint32_t slot_
         const Role role = scene.bodies.roles[slot];
         const Mover* const mover = mover_of_slot_[slot] == kNone ? nullptr : &movers_[mover_of_slot_[slot]];
         const BodyState& state = mover != nullptr && mover->flies ? mover->flight.start : scene.bodies.states[slot];
-        if (mover != nullptr && mover->stopped && (mover->carrier != kNone || mover->slides || scene.bodies.roles[slot == slot_a ? slot_b : slot_a] == Role::Kinematic)) return false;
+        const bool meets_kinematic = scene.bodies.roles[slot == slot_a ? slot_b : slot_a] == Role::Kinematic;
+        if (mover != nullptr && mover->stopped && (mover->carrier != kNone || mover->slides || meets_kinematic)) return false;
         if (state.spin != dvec3{0.0} && role == Role::Kinematic && has_plane(scene, slot)) return false;  // seldom, so a search is no loss
         if (moves(role) && (mover == nullptr || !mover->stopped)) {
             velocity[side] = state.velocity;
@@ -377,7 +378,8 @@ void Continuous::for_each_near(const ContinuousScene& scene, const Mover& mover,
 
 std::size_t Continuous::memory() const noexcept {
     std::size_t sum = movers_.size() * sizeof(Mover) + stray_boxes_.memory() + held_by(wishes_, sizes_, first_proxy_, proxies_, departures_, departure_of_slot_) +
-                      held_by(fast_, is_fast_, strays_, number_of_stray_, is_stray_, mover_of_slot_, fast_pairs_, displaced_, events_, seen_, manifolds_, obstacles_);
+                      held_by(fast_, is_fast_, strays_, number_of_stray_, is_stray_, mover_of_slot_, fast_pairs_, displaced_, events_, seen_, manifolds_) +
+                      held_by(obstacles_);
     for (const FastPairs& some : fast_pairs_) sum += held_by(some.pairs);
     return sum;
 }

@@ -229,7 +229,8 @@ private:
     void add_obstacle(const ContinuousScene& scene, std::uint32_t other, double t, const dvec3& at, const dvec3& normal);
     void list_obstacles(const ContinuousScene& scene, std::uint32_t mover, std::uint32_t other, double t, const BodyState& state);
     /// @param side  of meeting_.points: by which their normals point from the other to this one.
-    [[nodiscard]] std::optional<Way> find_way(const ContinuousScene& scene, std::uint32_t mover, std::uint32_t other, double t, const BodyState& state, double side);
+    [[nodiscard]] std::optional<Way> find_way(const ContinuousScene& scene, std::uint32_t mover, std::uint32_t other, double t,
+                                              const BodyState& state, double side);
     /// @return whether either of two that meet, by meeting_.points, can go elsewhere: then `choice` is who, and where.
     [[nodiscard]] bool choose_way(const ContinuousScene& scene, std::uint32_t a, std::uint32_t b, double t, Choice& choice);
     void take_way(const ContinuousScene& scene, const Choice& choice, double t, const BodyState& state);

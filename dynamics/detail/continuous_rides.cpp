@@ -84,7 +84,9 @@ void Continuous::join(const ContinuousScene& scene, std::uint32_t number_a, std:
         take_way(scene, choice, t, state_at(scene, b, t));
         return search_all(scene, number_a, t, b.slot);
     }
-    const auto stands = [&](const Mover& mover) { return mover.stopped && !mover.crushed && (mover.carrier != kNone || mover.slides || !may_ride(scene, mover.slot)); };
+    const auto stands = [&](const Mover& mover) {
+        return mover.stopped && !mover.crushed && (mover.carrier != kNone || mover.slides || !may_ride(scene, mover.slot));
+    };
     if (stands(movers_[number_a])) return crush(scene, number_a, t, state_a);
     if (stands(b)) crush(scene, number_b, t, state_at(scene, b, t));
 }

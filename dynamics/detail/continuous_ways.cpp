@@ -54,7 +54,8 @@ void Continuous::list_obstacles(const ContinuousScene& scene, std::uint32_t numb
             manifolds_.clear();
             collide({&proxy_p.shape, &proxy_q.shape, pose_p, pose_q, static_cast<float>(margin)}, 0, manifolds_);
             for (const Manifold& m : manifolds_) {
-                for (const ContactPoint& point : m.used()) add_obstacle(scene, near, t, pose_p.position + dvec3{point.position}, -dvec3{m.normal});
+                for (const ContactPoint& point : m.used())
+                    add_obstacle(scene, near, t, pose_p.position + dvec3{point.position}, -dvec3{m.normal});
             }
         });
     }
@@ -75,8 +76,9 @@ std::optional<Continuous::Way> Continuous::find_way(const ContinuousScene& scene
         const auto moved = [&](const dvec3& at) { return transform_point(end, inverse_transform_point(now.pose, at)) - at; };
         const double slow = kSlowShare * sizes_[mover.slot].extent * (1.0 - t);
         const auto is_clear = [&](const Obstacle& o) {
-            return o.carrier == carrier || (glm::dot(o.now.normal, (1.0 - t) * scene.dt * point_velocity(now, o.at)) >= o.now.least - slow &&
-                                            glm::dot(o.end.normal, moved(o.at)) >= o.end.least - slow);
+            return o.carrier == carrier ||
+                   (glm::dot(o.now.normal, (1.0 - t) * scene.dt * point_velocity(now, o.at)) >= o.now.least - slow &&
+                    glm::dot(o.end.normal, moved(o.at)) >= o.end.least - slow);
         };
         if (std::all_of(obstacles_.begin(), obstacles_.end(), is_clear)) return Way{moved(state.pose.position), carrier};
     }
