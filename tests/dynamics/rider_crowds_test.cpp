@@ -134,7 +134,7 @@ struct Driven {
 
 TEST(RiderCrowds, FewAreCrushedAndNothingElseComesThrough) {
     const char* const asked = std::getenv("CAROM_CROWDS");
-    const int worlds = asked == nullptr ? 4 : std::stoi(asked);
+    const int worlds = asked == nullptr ? 16 : std::stoi(asked);
     std::size_t all_carried = 0, all_crushed = 0;
     for (const Drive drive : {Drive::AlongAFloor, Drive::Overtaking, Drive::AlongItself, Drive::Closing}) {
         std::size_t carried = 0, crushed = 0;
