@@ -213,8 +213,8 @@ private:
         if (anew.points == 0 && had.points == 0) return true;
         if (anew.points == 0) return had.least_separation >= margin - slack;
         if (had.points == 0) return anew.least_separation >= margin - slack;
-        // Each of the two choices of four points may have left out another corner that is deeper by half (PlacedShapes::steady).
-        const double overlooked = 0.5 * std::max(0.0, -std::max(anew.least_separation, had.least_separation));
+        // Each of the two choices of four points may have left out another corner that is deeper by a third (PlacedShapes::steady).
+        const double overlooked = 0.3 * std::max(0.0, -std::max(anew.least_separation, had.least_separation));
         return std::abs(anew.least_separation - had.least_separation) <= 1.01 * slack + overlooked;
     }
 

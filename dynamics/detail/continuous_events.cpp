@@ -49,7 +49,8 @@ void Continuous::run(const ContinuousScene& scene) {
     }
     for (std::uint32_t i = 0; i < mover_count_; ++i) {
         if (!movers_[i].changed) continue;
-        scene.bodies.states[movers_[i].slot] = state_at(scene, movers_[i], 1.0);
+        BodyState& state = scene.bodies.states[movers_[i].slot] = state_at(scene, movers_[i], 1.0);
+        slow_at_end(scene, state);
         displaced_.push_back(movers_[i].slot);
         note_leg(i, 1.0);
     }
@@ -85,7 +86,7 @@ void Continuous::search_from_start(const ContinuousScene& scene) {
         }
     }
     if (complete && strays_.empty() && scene.proxies.planes.empty()) return;
-    for (const std::uint32_t slot : fast_) search_all(scene, mover_of(scene, slot), 0.0, kNone, asks(slot) ? Ask::Everybody : Ask::StraysOnly);
+    for (const std::uint32_t slot : fast_) search_first(scene, mover_of(scene, slot), asks(slot) ? Ask::Everybody : Ask::StraysOnly);
 }
 
 SweptPair swept_order(const ProxySet& proxies, const std::vector<Role>& roles, std::uint32_t p, std::uint32_t q) {
@@ -102,15 +103,25 @@ double swept_size(const ProxySet& proxies, const SweptPair& pair) {
                     proxies.kinds[pair.b] == ProxyKind::Plane ? std::numeric_limits<double>::infinity() : proxies.extents[pair.b]);
 }
 
-void Continuous::search_all(const ContinuousScene& scene, std::uint32_t number, double from, std::uint32_t skip, Ask ask) {
+void Continuous::search_first(const ContinuousScene& scene, std::uint32_t number, Ask ask) {
     const Mover& mover = movers_[number];
     for (std::uint32_t k = first_proxy_[mover.slot]; k < first_proxy_[mover.slot + 1]; ++k) {
         const std::uint32_t p = proxies_[k];
         for_each_near(scene, mover, p, ask, [&](std::uint32_t q) {
             const std::uint32_t other = scene.proxies.bodies[q];
-            const bool other_asks = from == 0.0 && is_fast_[other] != 0 && other < mover.slot;
-            if (from == 0.0 ? keep_company(scene, mover.slot, other) : stay_together(scene, mover.slot, other)) return;
-            if (other != skip && !other_asks) search(scene, order(scene, p, q), from, 0);
+            const bool other_asks = is_fast_[other] != 0 && other < mover.slot;
+            if (!other_asks && !keep_company(scene, mover.slot, other)) search(scene, order(scene, p, q), 0.0, 0);
+        });
+    }
+}
+
+void Continuous::search_all(const ContinuousScene& scene, std::uint32_t number, double from, std::uint32_t skip) {
+    const Mover& mover = movers_[number];
+    for (std::uint32_t k = first_proxy_[mover.slot]; k < first_proxy_[mover.slot + 1]; ++k) {
+        const std::uint32_t p = proxies_[k];
+        for_each_near(scene, mover, p, Ask::Everybody, [&](std::uint32_t q) {
+            const std::uint32_t other = scene.proxies.bodies[q];
+            if (other != skip && !stay_together(scene, mover.slot, other)) search(scene, order(scene, p, q), from, 0);
         });
     }
 }
@@ -251,7 +262,7 @@ void Continuous::strike(const ContinuousScene& scene, std::uint32_t number, doub
     Mover& mover = movers_[number];
     if (scene.bodies.roles[mover.slot] == Role::Asleep) scene.wake(mover.slot);
     if (!mover.flies) mover.flight.motion = {.spin_tolerance = scene.free_motion(mover.slot).spin_tolerance};
-    if (!mover.stopped || mover.carrier != kNone || outcome.carrier != kNone) {
+    if (!mover.stopped || mover.carrier != kNone || mover.slides || outcome.carrier != kNone || outcome.slide) {
         note_leg(number, t);
         mover.since = t;
     }
@@ -272,10 +283,15 @@ void Continuous::strike(const ContinuousScene& scene, std::uint32_t number, doub
         take_back_pull(mover.flight.start.velocity, (1.0 - t) * scene.dt * (scene.free_motion(mover.slot).acceleration - mover.flight.motion.acceleration));
     }
     if (mover.stopped && !mover.crushed && outcome.carrier != kNone && may_ride(scene, mover.slot)) {
-        if (mover.carrier == kNone) ++counts_.carried;
+        if (mover.carrier == kNone && !mover.slides && mover.ways == 0) ++counts_.carried;
+        mover.slides = false;
         const PathPiece& way = movers_[outcome.carrier].path.piece(BodyPath::kWhole);
         mover.carrier = outcome.carrier;
         mover.ride = {way, inverse(pose_at(way, t)) * outcome.state.pose};
+    } else if (outcome.slide) {
+        mover.slides = true;
+        mover.slide = *outcome.slide;
+        mover.carrier = kNone;
     } else if (mover.carrier != kNone) {
         mover.ride.local = inverse(pose_at(mover.ride.carrier, t)) * outcome.state.pose;  // it may have been moved apart
     }
