@@ -39,7 +39,30 @@ bool is_distance(const Polytope& a, const Polytope& b, const ContactAxis& axis) 
     return false;
 }
 
+bool is_inside(const Polytope& triangle, const dvec3& p, double by) noexcept {
+    for (std::uint32_t side = 0; side < 3; ++side) {
+        if (!(glm::dot(normal_of({&triangle.sides, 1}, side), p) - offset_of({&triangle.sides, 1}, side) <= -by)) return false;
+    }
+    return true;
+}
+
 }  // namespace
+
+bool face_decides(const Polytope& a, const Polytope& triangle, ContactAxis& axis) noexcept {
+    const std::uint32_t face = glm::dot(triangle.normal(0), a.centre) >= triangle.offset(0) ? 0 : 1;
+    const dvec3 normal = triangle.normal(face);
+    const double offset = triangle.offset(face), height = glm::dot(normal, a.centre) - offset;
+    const Extreme low = lowest(a, normal);
+    const double separation = low.value - offset, depth = std::max(0.0, -separation);
+    const double room = depth + kTouching * a.size;  // more than what rounding does
+    if (!(height > room)) return false;
+    const dvec3 foot = a.vertex(low.number) - separation * normal;
+    if (!is_inside(triangle, foot, room)) return false;
+    const dvec3 below_middle = a.centre - height * normal;
+    if (depth > 0.0 && !is_inside(triangle, foot + (2.0 * depth / (height + depth)) * (below_middle - foot), room)) return false;
+    axis = {AxisKind::FaceOfB, -normal, separation, {}, {}, 0, face};
+    return true;
+}
 
 ContactAxis greatest_separation(const Polytope& a, const Polytope& b, const dvec3& point_of_a, const dvec3& point_of_b, double enough) {
     const Separations best = find_separations(a, b, point_of_a, point_of_b, enough);
@@ -66,6 +89,7 @@ ContactAxis greatest_separation(const Polytope& a, const Polytope& b, const dvec
 }
 
 bool find_axis(Polytope& a, Polytope& b, const dvec3& point_of_a, const dvec3& point_of_b, double margin, ContactAxis& axis) {
+    if (b.side_count > 0 && face_decides(a, b, axis)) return axis.separation <= margin;
     const double touching = kTouching * common_size(a, b);
     // What is farther by `touching`, which is more than rounding, is farther for certain.
     axis = greatest_separation(a, b, point_of_a, point_of_b, margin + touching);

@@ -41,6 +41,15 @@ struct ContactAxis {
 [[nodiscard]] ContactAxis greatest_separation(const Polytope& a, const Polytope& b, const dvec3& point_of_a, const dvec3& point_of_b,
                                               double enough);
 
+/// Whether the face of a triangle that looks to the middle of `a` is the axis for certain: a's deepest corner lies over or under the inside of it. With s
+/// its height over the face, p its foot and s > 0, the two points are s apart, and no axis separates by more. With s < 0, p at least |s| from all sides:
+/// the triangle holds a disc of that radius about p, so along a normal n at an angle θ to the face's the two separate by at most -|s| (cos θ + sin θ), up
+/// to a right angle; beyond it the same holds of the point of a above p's side of the face, on the way to its middle, at the height |s|, if its foot is as
+/// far inside. No axis does better than s.
+/// @return true with `axis`; false: nothing is known.
+/// Cost: one support of a.
+[[nodiscard]] bool face_decides(const Polytope& a, const Polytope& triangle, ContactAxis& axis) noexcept;
+
 /// The axis of contact of two polytopes: where they are apart, the direction of their distance; otherwise that of their least depth.
 /// A separating axis whose own points lie in the face, or within the edges, is that of the distance; where it is not, GJK finds it.
 /// @param point_of_a, point_of_b  as above.

@@ -2,6 +2,7 @@
 #include "oracle.hpp"
 
 #include <carom/core/simd_width.hpp>
+#include <carom/narrowphase/detail/polytope_axis.hpp>
 #include <carom/narrowphase/detail/polytope_search.hpp>
 
 #include <gtest/gtest.h>
@@ -150,6 +151,39 @@ TEST(PolytopeSearch, SidesOfATriangleCountWhereTheyDoBetter) {
     const detail::FaceSeparation side = detail::best_side(triangle, box, -0.5);
     EXPECT_NEAR(side.separation, 0.25, 1e-15);
     EXPECT_EQ(detail::best_side(triangle, box, 0.3).separation, 0.3);
+}
+
+// Boxes and hulls that a corner, an edge or a face of theirs has at or in a triangle.
+TEST(PolytopeSearch, AFaceThatDecidesIsTheBestOfAllAxes) {
+    Random r(15);
+    int decided = 0, below = 0, apart = 0;
+    for (int i = 0; i < 4000; ++i) {
+        Polytope a, triangle;
+        const ConvexHullPtr hull = random_hull(r, 6 + i % 12, 0.3, 1.0);
+        load_any(r, a, dvec3{0.0}, *hull);
+        const dvec3 n = random_direction(r);
+        const dvec3 u = glm::normalize(glm::cross(n, random_direction(r))), w = glm::cross(n, u);
+        const double level = least_along(a, n) + (i % 3 == 0 ? r.range(0.0, 0.05) : i % 3 == 1 ? r.range(0.0, 0.6) : -r.range(0.0, 0.05));
+        const double size = std::exp2(r.range(-3.0, 2.0));
+        const dvec3 at = level * n + r.range(-0.7, 0.7) * u + r.range(-0.7, 0.7) * w;
+        const auto corner = [&](double angle) { return at + size * (std::cos(angle) * u + std::sin(angle) * w); };
+        const double first = r.range(0.0, 2.0), second = first + r.range(0.3, 2.5);
+        if (!detail::load_triangle(triangle, {corner(first), corner(second), corner(second + r.range(0.3, 2.5))})) continue;
+        detail::ContactAxis axis;
+        if (!detail::face_decides(a, triangle, axis)) continue;
+        ++decided;
+        below += axis.separation < -1e-3 ? 1 : 0;
+        apart += axis.separation > 0.0 ? 1 : 0;
+        double best = std::max({best_face(a, triangle), best_face(triangle, a), best_edges(a, triangle)});
+        best = std::max(best, detail::best_side(triangle, a, -1e3).separation);
+        EXPECT_NEAR(axis.separation, best, 1e-9) << i;
+        EXPECT_NEAR(axis.separation, least_along(a, -axis.normal) - triangle.offset(axis.feature_b), 1e-12);
+        EXPECT_EQ(axis.normal, -triangle.normal(axis.feature_b));
+    }
+    std::printf("%d decided, %d of them deep, %d apart\n", decided, below, apart);
+    EXPECT_GT(decided, 400);
+    EXPECT_GT(below, 100);
+    EXPECT_GT(apart, 100);
 }
 
 }  // namespace
