@@ -272,6 +272,7 @@ void Continuous::lay_path(const ContinuousScene& scene, Mover& mover) const {
     } else {
         mover.path.go({.start = now.pose});
     }
+    mover.course = course_of(mover.path);
 }
 
 std::uint32_t Continuous::mover_of(const ContinuousScene& scene, std::uint32_t slot) {
@@ -390,7 +391,7 @@ void Continuous::for_each_near(const ContinuousScene& scene, const Mover& mover,
 
 std::size_t Continuous::memory() const noexcept {
     std::size_t sum = movers_.size() * sizeof(Mover) + stray_boxes_.memory() + held_by(wishes_, sizes_, first_proxy_, proxies_, departures_, departure_of_slot_) +
-                      held_by(fast_, is_fast_, strays_, number_of_stray_, is_stray_, mover_of_slot_, fast_pairs_, displaced_, events_, seen_, manifolds_);
+                      held_by(fast_, is_fast_, strays_, number_of_stray_, is_stray_, mover_of_slot_, fast_pairs_, displaced_, events_, chances_, seen_, manifolds_);
     for (const FastPairs& some : fast_pairs_) sum += held_by(some.pairs);
     return sum;
 }

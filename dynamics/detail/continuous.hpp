@@ -16,6 +16,7 @@
 #include <carom/dynamics/continuous_settings.hpp>
 #include <carom/dynamics/detail/body_path.hpp>
 #include <carom/dynamics/detail/body_sizes.hpp>
+#include <carom/dynamics/detail/first_chance.hpp>
 #include <carom/dynamics/detail/first_touch.hpp>
 #include <carom/dynamics/detail/grouped_boxes.hpp>
 #include <carom/dynamics/detail/meeting.hpp>
@@ -121,6 +122,7 @@ private:
         std::uint32_t version = 0;
         Ride ride;              ///< of what is carried
         BodyPath path;
+        Course course;              ///< the path at a glance
     };
     /// What comes of an event to a body.
     struct Outcome {
@@ -142,6 +144,15 @@ private:
         static bool later(const Event& x, const Event& y) noexcept {
             return std::tie(x.t, x.pair.a, x.pair.b, x.level) > std::tie(y.t, y.pair.a, y.pair.b, y.level);
         }
+    };
+
+    /// Two that may meet from `t` on, by first_chance(): their time of impact is asked for when everything earlier has happened, if neither has been struck until then.
+    struct Chance {
+        double t = 0.0, from = 0.0;
+        Pair pair;
+        std::uint32_t version_a = 0, version_b = 0;  ///< of the movers
+
+        static bool later(const Chance& x, const Chance& y) noexcept { return std::tie(x.t, x.pair.a, x.pair.b) > std::tie(y.t, y.pair.a, y.pair.b); }
     };
 
     void list_bodies(const ContinuousScene& scene);
@@ -176,7 +187,12 @@ private:
     [[nodiscard]] bool may_meet(const ContinuousScene& scene, std::uint32_t p, std::uint32_t q) const;
     /// @param skip  the slot of a body that is left out.
     void search_all(const ContinuousScene& scene, std::uint32_t mover, double from, std::uint32_t skip, Ask ask = Ask::Everybody);
-    void search(const ContinuousScene& scene, const Pair& pair, double from, int level);
+    /// Searches two that may meet at once; others when it comes to that.
+    void expect(const ContinuousScene& scene, const Pair& pair, double from);
+    [[nodiscard]] double first_chance_of(const ContinuousScene& scene, const Pair& pair, double from) const;
+    void take_chance(const ContinuousScene& scene);
+    /// @param earliest  of the times that the search may find; they are not touching before.
+    void search(const ContinuousScene& scene, const Pair& pair, double from, int level, double earliest = 0.0);
     [[nodiscard]] Pair order(const ContinuousScene& scene, std::uint32_t p, std::uint32_t q) const {
         return swept_order(scene.proxies, scene.bodies.roles, p, q);
     }
@@ -238,11 +254,14 @@ private:
     std::vector<std::uint32_t> displaced_;
     std::size_t mover_count_ = 0;              // those beyond keep their memory
     std::vector<Event> events_;                // a heap
+    std::vector<Chance> chances_;              // likewise
     std::vector<std::uint64_t> seen_;          // by proxy: the look in which it was seen
     std::uint64_t look_ = 0;
     std::int64_t budget_ = 0;                  // impacts that are left in this step
     std::int64_t pieces_left_ = 0;
     std::size_t most_pairs_ = 0;
+    std::size_t most_chances_ = 0;
+    std::size_t chance_count_ = 0;             // of this step
     Meeting meeting_;
     std::vector<Manifold> manifolds_;
     Cores cores_;

@@ -15,6 +15,7 @@ namespace {
 constexpr std::int64_t kLeastBudget = 1024, kBudgetPerBody = 64;     // impacts
 constexpr std::int64_t kLeastPairs = 16384, kPairsPerBody = 256;     // times of impact
 constexpr std::int64_t kLeastPieces = 65536, kPiecesPerBody = 1024;  // pieces of paths that are looked at for them
+constexpr std::size_t kChancesPerPair = 16;                          // bounds of times of impact, for each time of impact that may be asked for
 constexpr int kNoBlow = 0, kPush = 1, kImpact = 16;  // what goes to a body's account: what is kinematic goes on, and must not find it standing still
 constexpr int kLevelOfContacts = 4;        // at which contacts of the solver are watched
 constexpr double kMarginShare = 1e-3;     // of the same: how far points of contact are looked for beyond that
@@ -33,14 +34,21 @@ void Continuous::run(const ContinuousScene& scene) {
     mover_of_slot_.assign(slots, kNone);
     mover_count_ = 0;
     events_.clear();
+    chances_.clear();
     const auto followed = static_cast<std::int64_t>(fast_.size());
     budget_ = kLeastBudget + kBudgetPerBody * followed;
     most_pairs_ = static_cast<std::size_t>(kLeastPairs + kPairsPerBody * followed);
+    most_chances_ = kChancesPerPair * most_pairs_;
+    chance_count_ = 0;
     pieces_left_ = kLeastPieces + kPiecesPerBody * followed;
     cores_.forget_unused();
     list_strays(scene);
     search_from_start(scene);
-    while (!events_.empty()) {
+    while (!events_.empty() || !chances_.empty()) {
+        if (events_.empty() || (!chances_.empty() && chances_.front().t <= events_.front().t)) {
+            take_chance(scene);
+            continue;
+        }
         std::pop_heap(events_.begin(), events_.end(), Event::later);
         const Event event = events_.back();
         events_.pop_back();
@@ -79,7 +87,7 @@ void Continuous::search_from_start(const ContinuousScene& scene) {
         for (const FastPairs& part : fast_pairs_) {
             for (const ProxyPair& pair : part.pairs) {
                 if (keep_company(scene, scene.proxies.bodies[pair.a], scene.proxies.bodies[pair.b]) || !may_meet(scene, pair.a, pair.b)) continue;
-                search(scene, order(scene, pair.a, pair.b), 0.0, 0);
+                expect(scene, order(scene, pair.a, pair.b), 0.0);
             }
         }
     }
@@ -109,12 +117,51 @@ void Continuous::search_all(const ContinuousScene& scene, std::uint32_t number, 
             const std::uint32_t other = scene.proxies.bodies[q];
             const bool other_asks = from == 0.0 && is_fast_[other] != 0 && other < mover.slot;
             if (from == 0.0 ? keep_company(scene, mover.slot, other) : stay_together(scene, mover.slot, other)) return;
-            if (other != skip && !other_asks) search(scene, order(scene, p, q), from, 0);
+            if (other != skip && !other_asks) expect(scene, order(scene, p, q), from);
         });
     }
 }
 
-void Continuous::search(const ContinuousScene& scene, const Pair& pair, double from, int level) {
+// Of a body with a hundred in its way the first one that it meets gives it another way, so mostly one of a hundred times of impact is of any use.
+void Continuous::expect(const ContinuousScene& scene, const Pair& pair, double from) {
+    const std::uint32_t number_a = mover_of(scene, scene.proxies.bodies[pair.a]), number_b = mover_of(scene, scene.proxies.bodies[pair.b]);
+    if (go_together(scene, number_a, number_b)) return;
+    if (++chance_count_ > most_chances_) budget_ = 0;
+    const double t = first_chance_of(scene, pair, from);
+    if (t == kNoChance) return;
+    if (t <= from) return search(scene, pair, from, 0);
+    chances_.push_back({t, from, pair, movers_[number_a].version, movers_[number_b].version});
+    std::push_heap(chances_.begin(), chances_.end(), Chance::later);
+}
+
+double Continuous::first_chance_of(const ContinuousScene& scene, const Pair& pair, double from) const {
+    const Proxy &a = scene.proxies.by_slot[pair.a], &b = scene.proxies.by_slot[pair.b];
+    const Mover &mover_a = movers_[mover_of_slot_[a.body]], &mover_b = movers_[mover_of_slot_[b.body]];
+    const Ball ball{&mover_a.course, a.reach};
+    const double room = 2.0 * kSweepToleranceShare * size_of(scene, pair);
+    const bool stands = scene.bodies.roles[b.body] == Role::Static;
+    if (scene.proxies.kinds[pair.b] != ProxyKind::Plane) {
+        return stands ? first_chance(ball, bounds(b.shape, scene.proxies.poses[pair.b]), from, room) : first_chance(ball, {&mover_b.course, b.reach}, from, room);
+    }
+    const PathPiece& way = mover_b.path.piece(BodyPath::kWhole);
+    if (way.rotation != dvec3{0.0}) return from;  // seldom, and the search is short
+    const Pose pose = way.start * b.local;
+    const Plane& plane = std::get<Plane>(b.shape);
+    const dvec3 n(plane.normal);
+    const double length = glm::length(n);
+    return first_chance(ball, mover_b.course, transform_point(pose, (static_cast<double>(plane.offset) / (length * length)) * n), rotate(pose.orientation, n / length),
+                        from, room);
+}
+
+void Continuous::take_chance(const ContinuousScene& scene) {
+    std::pop_heap(chances_.begin(), chances_.end(), Chance::later);
+    const Chance chance = chances_.back();
+    chances_.pop_back();
+    const auto version = [&](std::uint32_t proxy) { return movers_[mover_of_slot_[scene.proxies.bodies[proxy]]].version; };
+    if (version(chance.pair.a) == chance.version_a && version(chance.pair.b) == chance.version_b) search(scene, chance.pair, chance.from, 0, chance.t);
+}
+
+void Continuous::search(const ContinuousScene& scene, const Pair& pair, double from, int level, double earliest) {
     const Proxy &a = scene.proxies.by_slot[pair.a], &b = scene.proxies.by_slot[pair.b];
     const std::uint32_t number_a = mover_of(scene, a.body), number_b = mover_of(scene, b.body);
     if (go_together(scene, number_a, number_b)) return;
@@ -133,6 +180,7 @@ void Continuous::search(const ContinuousScene& scene, const Pair& pair, double f
     if (pieces_left_ < 0) budget_ = 0;
     if (!met) return;
     counts_.clamped += search.impact.status == ImpactStatus::Clamped ? 1 : 0;
+    search.t = std::max(search.t, earliest);
     // What touches from the start is the solver's.
     if (search.t == from && (from == 0.0 || level > 0)) return search_deeper(scene, pair, from, from == 0.0 ? std::max(level, kLevelOfContacts - 1) : level);
     events_.push_back({search.t, pair, level, mover_a.version, mover_b.version, search.impact, search.bend});
