@@ -19,6 +19,9 @@ constexpr double kTolerance = 1e-4;  // of the energy of a free rotation
 
 constexpr std::size_t kSlotGrain = 256;
 
+/// A crowd: of every so many shapes one is fast, and meets so many boxes on its way.
+constexpr std::size_t kCrowdShare = 8, kCrowdPairs = 12;
+
 /// Replaces `slots` by those that are marked, ascending.
 void list_marked(std::span<const unsigned char> marks, std::vector<std::uint32_t>& slots) {
     slots.clear();
@@ -216,7 +219,7 @@ void Continuous::list_strays(const ContinuousScene& scene) {
     list_marked(is_stray_, strays_);
     number_of_stray_.assign(is_stray_.size(), kNone);
     stray_boxes_.clear();
-    for (const std::uint32_t slot : strays_) note_way(slot, movers_[mover_of(scene, slot)].path);
+    for (const std::uint32_t slot : strays_) note_way(scene, slot, movers_[mover_of(scene, slot)].path);
 }
 
 BodyState Continuous::state_at(const ContinuousScene& scene, const Mover& mover, double t) const {
@@ -357,13 +360,36 @@ bool Continuous::may_meet(const ContinuousScene& scene, std::uint32_t p, std::ui
            filters_agree(scene.proxies.filters[p], scene.proxies.filters[q]) && !scene.parted(body_p, body_q);
 }
 
-void Continuous::note_way(std::uint32_t slot, const BodyPath& path) {
+void Continuous::note_way(const ContinuousScene& scene, std::uint32_t slot, const BodyPath& path) {
     std::uint32_t& number = number_of_stray_[slot];
     if (number == kNone) number = static_cast<std::uint32_t>(stray_boxes_.size());
     stray_boxes_.set(number, path.box(sizes_[slot].reach));
+    if (!crowd_) return;
+    const Course course = course_of(path);
+    for (std::uint32_t k = first_proxy_[slot]; k < first_proxy_[slot + 1]; ++k) courses_.set(k, {&course, scene.proxies.by_slot[proxies_[k]].reach});
 }
 
-void Continuous::for_each_near(const ContinuousScene& scene, const Mover& mover, std::uint32_t proxy, Ask ask, FunctionRef<void(std::uint32_t q)> visit) {
+bool Continuous::is_crowd(const ContinuousScene& scene, bool complete) const {
+    if (fast_.size() * kCrowdShare < scene.proxies.by_slot.size()) return false;
+    std::size_t pairs = 0;
+    for (const FastPairs& part : fast_pairs_) pairs += part.pairs.size();
+    return !complete || pairs >= kCrowdPairs * fast_.size();
+}
+
+// What stands needs no mover until somebody meets it, and what is out of range meets nobody.
+void Continuous::list_courses(const ContinuousScene& scene) {
+    courses_.resize(proxies_.size());
+    for (std::uint32_t slot = 0; slot < scene.bodies.roles.size(); ++slot) {
+        if (first_proxy_[slot] == first_proxy_[slot + 1]) continue;
+        const BodyState& state = scene.bodies.states[slot];
+        const bool goes = moves(scene.bodies.roles[slot]) && is_usable(state, scene.dt);
+        const Course course = goes ? movers_[mover_of(scene, slot)].course : Course{.at = state.pose.position};
+        for (std::uint32_t k = first_proxy_[slot]; k < first_proxy_[slot + 1]; ++k) courses_.set(k, {&course, scene.proxies.by_slot[proxies_[k]].reach});
+    }
+}
+
+void Continuous::for_each_near(const ContinuousScene& scene, const Mover& mover, std::uint32_t proxy, Ask ask, double from, double to,
+                               FunctionRef<void(std::uint32_t q)> visit) {
     const std::uint64_t look = ++look_;
     seen_.resize(scene.proxies.by_slot.size(), 0);
     const auto see = [&](std::uint32_t q) {
@@ -376,11 +402,22 @@ void Continuous::for_each_near(const ContinuousScene& scene, const Mover& mover,
         }
         return;
     }
+    for (const std::uint32_t plane : scene.proxies.planes) see(plane);
     const double reach = scene.proxies.by_slot[proxy].reach;
+    if (crowd_) {
+        const std::size_t first = near_.size();
+        courses_.list_near({&mover.course, reach}, from, to, kSweepRoomShare * scene.proxies.extents[proxy], near_);
+        const std::size_t last = near_.size();
+        for (std::size_t i = first; i < last; ++i) {
+            const std::uint32_t q = proxies_[near_[i]];
+            if (scene.proxies.kinds[q] == ProxyKind::Bounded) see(q);
+        }
+        near_.resize(first);
+        return;
+    }
     const PathPiece way = mover.path.piece(BodyPath::kWhole);  // a copy: visits split paths
     const dvec3 at = way.start.position - scene.proxies.origin, round{reach + way.sway};
     if (ask == Ask::Everybody) query_swept_box(scene.broadphase, at - round, at + round, way.translation, see);
-    for (const std::uint32_t plane : scene.proxies.planes) see(plane);
     const Aabb box = box_of(way, reach);
     stray_boxes_.for_each_meeting(box, [&](std::size_t k) {  // visits may add some
         const std::uint32_t slot = strays_[k];
@@ -390,8 +427,8 @@ void Continuous::for_each_near(const ContinuousScene& scene, const Mover& mover,
 }
 
 std::size_t Continuous::memory() const noexcept {
-    std::size_t sum = movers_.size() * sizeof(Mover) + stray_boxes_.memory() + held_by(wishes_, sizes_, first_proxy_, proxies_, departures_, departure_of_slot_) +
-                      held_by(fast_, is_fast_, strays_, number_of_stray_, is_stray_, mover_of_slot_, fast_pairs_, displaced_, events_, chances_, seen_, manifolds_);
+    std::size_t sum = movers_.size() * sizeof(Mover) + stray_boxes_.memory() + courses_.memory() + held_by(wishes_, sizes_, first_proxy_, proxies_, departures_, departure_of_slot_) +
+                      held_by(fast_, is_fast_, strays_, number_of_stray_, is_stray_, mover_of_slot_, fast_pairs_, displaced_, events_, chances_, seen_, near_, manifolds_);
     for (const FastPairs& some : fast_pairs_) sum += held_by(some.pairs);
     return sum;
 }

@@ -16,6 +16,7 @@
 #include <carom/dynamics/continuous_settings.hpp>
 #include <carom/dynamics/detail/body_path.hpp>
 #include <carom/dynamics/detail/body_sizes.hpp>
+#include <carom/dynamics/detail/course_table.hpp>
 #include <carom/dynamics/detail/first_chance.hpp>
 #include <carom/dynamics/detail/first_touch.hpp>
 #include <carom/dynamics/detail/grouped_boxes.hpp>
@@ -61,6 +62,7 @@ struct SweptPair {
 /// @return how finely the path of a body is cut.
 [[nodiscard]] PathSettings path_settings(const BodySize& size, double dt);
 inline constexpr double kSweepToleranceShare = 1e-4;  // of the smallest extent: how near a search comes
+inline constexpr double kSweepRoomShare = 2.0 * kSweepToleranceShare;  // likewise: nearer than that nothing is without a chance to touch
 
 class Continuous {
 public:
@@ -168,7 +170,7 @@ private:
     bool slow_down(const ContinuousScene& scene, std::uint32_t slot);
     void list_strays(const ContinuousScene& scene);
     /// Of a stray, or of what has become one.
-    void note_way(std::uint32_t slot, const BodyPath& path);
+    void note_way(const ContinuousScene& scene, std::uint32_t slot, const BodyPath& path);
     [[nodiscard]] bool goes_astray(const ContinuousScene& scene, std::uint32_t slot) const;
 
     std::uint32_t mover_of(const ContinuousScene& scene, std::uint32_t slot);
@@ -177,16 +179,22 @@ private:
 
     /// Whom the broadphase is asked for; planes and strays are visited in any case.
     enum class Ask : unsigned char { Everybody, StraysOnly };
-    void for_each_near(const ContinuousScene& scene, const Mover& mover, std::uint32_t proxy, Ask ask, FunctionRef<void(std::uint32_t q)> visit);
+    /// @param from, to  when; in a crowd what is not near then is passed over.
+    void for_each_near(const ContinuousScene& scene, const Mover& mover, std::uint32_t proxy, Ask ask, double from, double to, FunctionRef<void(std::uint32_t q)> visit);
     /// Pairs that the broadphase found for this step hold for who stayed in his boxes; who strayed asks anew.
     void search_from_start(const ContinuousScene& scene);
     /// Those of the broadphase's pairs with somebody fast and nobody astray, in parts that follow each other.
     void list_fast_pairs(const ContinuousScene& scene, std::span<const ProxyPair> found);
+    /// Whether so much is fast, and meets so many boxes on its way, that everybody is asked where he is and when.
+    [[nodiscard]] bool is_crowd(const ContinuousScene& scene, bool complete) const;
+    void list_courses(const ContinuousScene& scene);
     /// keep_company() of the rest of a step, by the velocities that the two have now.
     [[nodiscard]] bool stay_together(const ContinuousScene& scene, std::uint32_t slot_a, std::uint32_t slot_b) const;
     [[nodiscard]] bool may_meet(const ContinuousScene& scene, std::uint32_t p, std::uint32_t q) const;
-    /// @param skip  the slot of a body that is left out.
-    void search_all(const ContinuousScene& scene, std::uint32_t mover, double from, std::uint32_t skip, Ask ask = Ask::Everybody);
+    /// Of a body that begins a path at `from`. @param skip  the slot of a body that is left out.
+    void search_all(const ContinuousScene& scene, std::uint32_t mover, double from, std::uint32_t skip);
+    /// Of one that is fast, with those that do not ask themselves.
+    void search_first(const ContinuousScene& scene, std::uint32_t mover, Ask ask);
     /// Searches two that may meet at once; others when it comes to that.
     void expect(const ContinuousScene& scene, const Pair& pair, double from);
     [[nodiscard]] double first_chance_of(const ContinuousScene& scene, const Pair& pair, double from) const;
@@ -244,6 +252,9 @@ private:
     std::vector<std::uint32_t> number_of_stray_;  // by slot: in these
     std::vector<unsigned char> is_stray_;      // by slot
     std::vector<std::uint32_t> mover_of_slot_;
+    bool crowd_ = false;                       // or else the next two are of no use
+    CourseTable courses_;                      // of proxies_
+    std::vector<std::uint32_t> near_;          // a stack: numbers of these
     struct alignas(64) FastPairs {             // what one thread found
         std::vector<ProxyPair> pairs;
     };

@@ -81,18 +81,20 @@ void Continuous::list_fast_pairs(const ContinuousScene& scene, std::span<const P
 void Continuous::search_from_start(const ContinuousScene& scene) {
     const PairUpdate& found = scene.broadphase.result();
     const bool complete = found.status == PairStatus::Complete;
-    const auto asks = [&](std::uint32_t slot) { return !complete || is_stray_[slot] != 0; };
-    if (complete) {
-        list_fast_pairs(scene, found.pairs);
+    if (complete) list_fast_pairs(scene, found.pairs);
+    crowd_ = is_crowd(scene, complete);
+    if (crowd_) list_courses(scene);
+    const bool all_ask = crowd_ || !complete;
+    if (!all_ask) {
         for (const FastPairs& part : fast_pairs_) {
             for (const ProxyPair& pair : part.pairs) {
                 if (keep_company(scene, scene.proxies.bodies[pair.a], scene.proxies.bodies[pair.b]) || !may_meet(scene, pair.a, pair.b)) continue;
                 expect(scene, order(scene, pair.a, pair.b), 0.0);
             }
         }
+        if (strays_.empty() && scene.proxies.planes.empty()) return;
     }
-    if (complete && strays_.empty() && scene.proxies.planes.empty()) return;
-    for (const std::uint32_t slot : fast_) search_all(scene, mover_of(scene, slot), 0.0, kNone, asks(slot) ? Ask::Everybody : Ask::StraysOnly);
+    for (const std::uint32_t slot : fast_) search_first(scene, mover_of(scene, slot), all_ask || is_stray_[slot] != 0 ? Ask::Everybody : Ask::StraysOnly);
 }
 
 SweptPair swept_order(const ProxySet& proxies, const std::vector<Role>& roles, std::uint32_t p, std::uint32_t q) {
@@ -109,15 +111,25 @@ double swept_size(const ProxySet& proxies, const SweptPair& pair) {
                     proxies.kinds[pair.b] == ProxyKind::Plane ? std::numeric_limits<double>::infinity() : proxies.extents[pair.b]);
 }
 
-void Continuous::search_all(const ContinuousScene& scene, std::uint32_t number, double from, std::uint32_t skip, Ask ask) {
+void Continuous::search_all(const ContinuousScene& scene, std::uint32_t number, double from, std::uint32_t skip) {
     const Mover& mover = movers_[number];
     for (std::uint32_t k = first_proxy_[mover.slot]; k < first_proxy_[mover.slot + 1]; ++k) {
         const std::uint32_t p = proxies_[k];
-        for_each_near(scene, mover, p, ask, [&](std::uint32_t q) {
+        for_each_near(scene, mover, p, Ask::Everybody, from, 1.0, [&](std::uint32_t q) {
             const std::uint32_t other = scene.proxies.bodies[q];
-            const bool other_asks = from == 0.0 && is_fast_[other] != 0 && other < mover.slot;
-            if (from == 0.0 ? keep_company(scene, mover.slot, other) : stay_together(scene, mover.slot, other)) return;
-            if (other != skip && !other_asks) expect(scene, order(scene, p, q), from);
+            if (other != skip && !stay_together(scene, mover.slot, other)) expect(scene, order(scene, p, q), from);
+        });
+    }
+}
+
+void Continuous::search_first(const ContinuousScene& scene, std::uint32_t number, Ask ask) {
+    const Mover& mover = movers_[number];
+    for (std::uint32_t k = first_proxy_[mover.slot]; k < first_proxy_[mover.slot + 1]; ++k) {
+        const std::uint32_t p = proxies_[k];
+        for_each_near(scene, mover, p, ask, 0.0, 1.0, [&](std::uint32_t q) {
+            const std::uint32_t other = scene.proxies.bodies[q];
+            const bool other_asks = is_fast_[other] != 0 && other < mover.slot;
+            if (!other_asks && !keep_company(scene, mover.slot, other)) expect(scene, order(scene, p, q), 0.0);
         });
     }
 }
@@ -138,7 +150,7 @@ double Continuous::first_chance_of(const ContinuousScene& scene, const Pair& pai
     const Proxy &a = scene.proxies.by_slot[pair.a], &b = scene.proxies.by_slot[pair.b];
     const Mover &mover_a = movers_[mover_of_slot_[a.body]], &mover_b = movers_[mover_of_slot_[b.body]];
     const Ball ball{&mover_a.course, a.reach};
-    const double room = 2.0 * kSweepToleranceShare * size_of(scene, pair);
+    const double room = kSweepRoomShare * size_of(scene, pair);
     const bool stands = scene.bodies.roles[b.body] == Role::Static;
     if (scene.proxies.kinds[pair.b] != ProxyKind::Plane) {
         return stands ? first_chance(ball, bounds(b.shape, scene.proxies.poses[pair.b]), from, room) : first_chance(ball, {&mover_b.course, b.reach}, from, room);
@@ -327,7 +339,7 @@ void Continuous::strike(const ContinuousScene& scene, std::uint32_t number, doub
     }
     lay_path(scene, mover);
     if (number_of_stray_[mover.slot] == kNone) strays_.push_back(mover.slot);
-    note_way(mover.slot, mover.path);
+    note_way(scene, mover.slot, mover.path);
 }
 
 void Continuous::note_leg(std::uint32_t number, double end) {

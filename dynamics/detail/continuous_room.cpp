@@ -30,9 +30,10 @@ double Continuous::room_for(const ContinuousScene& scene, std::uint32_t slot, st
     double room = 1.0;
     shifted_.slot = slot;
     shifted_.path.go({.start = from, .translation = shift});
+    shifted_.course = {.at = from.position, .play = glm::length(shift)};
     for (std::uint32_t k = first_proxy_[slot]; k < first_proxy_[slot + 1]; ++k) {
         const std::uint32_t p = proxies_[k];
-        for_each_near(scene, shifted_, p, Ask::Everybody, [&](std::uint32_t q) {
+        for_each_near(scene, shifted_, p, Ask::Everybody, t, t, [&](std::uint32_t q) {
             const std::uint32_t other = scene.proxies.bodies[q];
             if (other == partner) return;
             standing_.go({.start = state_at(scene, movers_[mover_of(scene, other)], t).pose});
