@@ -19,8 +19,10 @@ constexpr double kTolerance = 1e-4;  // of the energy of a free rotation
 
 constexpr std::size_t kSlotGrain = 256;
 
-/// A crowd: of every so many shapes one is fast, and meets so many boxes on its way.
-constexpr std::size_t kCrowdShare = 8, kCrowdPairs = 12;
+/// A crowd: of so many shapes one is fast, who is asked for once for so many, and of shapes there are no more than so many for each of its extents that what is
+/// fast goes in the mean. To ask a table about a shape takes a nanosecond, and boxes along a way some 0.5 µs for each extent.
+constexpr std::size_t kCrowdShare = 8, kCrowdLooks = 4;
+constexpr double kShapesPerExtent = 512.0, kLongWay = 64.0;
 
 /// Replaces `slots` by those that are marked, ascending.
 void list_marked(std::span<const unsigned char> marks, std::vector<std::uint32_t>& slots) {
@@ -369,15 +371,28 @@ void Continuous::note_way(const ContinuousScene& scene, std::uint32_t slot, cons
     for (std::uint32_t k = first_proxy_[slot]; k < first_proxy_[slot + 1]; ++k) courses_.set(k, {&course, scene.proxies.by_slot[proxies_[k]].reach});
 }
 
-bool Continuous::is_crowd(const ContinuousScene& scene, bool complete) const {
-    if (fast_.size() * kCrowdShare < scene.proxies.by_slot.size()) return false;
+bool Continuous::may_crowd(const ContinuousScene& scene) const {
+    if (fast_.size() * kCrowdShare < proxies_.size()) return false;
+    double ways = 0.0;  // in extents
+    for (const std::uint32_t slot : fast_) {
+        ways += std::min(glm::length(scene.bodies.states[slot].pose.position - scene.start(slot).position) / sizes_[slot].extent, kLongWay);
+    }
+    return static_cast<double>(proxies_.size() * fast_.size()) <= kShapesPerExtent * ways;
+}
+
+// By what each takes, in nanoseconds.
+bool Continuous::crowds_at_start(bool complete) const {
+    constexpr std::size_t kPair = 20, kLook = 3000, kStray = 5, kListed = 100, kCourse = 1;
+    if (!may_crowd_) return false;
     std::size_t pairs = 0;
     for (const FastPairs& part : fast_pairs_) pairs += part.pairs.size();
-    return !complete || pairs >= kCrowdPairs * fast_.size();
+    const std::size_t boxes = kPair * pairs + (kLook + kStray * fast_.size()) * (complete ? strays_.size() : fast_.size());
+    return boxes > (kListed + kCourse * fast_.size()) * proxies_.size();
 }
 
 // What stands needs no mover until somebody meets it, and what is out of range meets nobody.
 void Continuous::list_courses(const ContinuousScene& scene) {
+    crowd_ = true;
     courses_.resize(proxies_.size());
     for (std::uint32_t slot = 0; slot < scene.bodies.roles.size(); ++slot) {
         if (first_proxy_[slot] == first_proxy_[slot + 1]) continue;
@@ -404,12 +419,14 @@ void Continuous::for_each_near(const ContinuousScene& scene, const Mover& mover,
     }
     for (const std::uint32_t plane : scene.proxies.planes) see(plane);
     const double reach = scene.proxies.by_slot[proxy].reach;
+    if (!crowd_ && may_crowd_ && ask == Ask::Everybody && ++looks_ > proxies_.size() / kCrowdLooks) list_courses(scene);
     if (crowd_) {
         const std::size_t first = near_.size();
         courses_.list_near({&mover.course, reach}, from, to, kSweepRoomShare * scene.proxies.extents[proxy], near_);
         const std::size_t last = near_.size();
         for (std::size_t i = first; i < last; ++i) {
             const std::uint32_t q = proxies_[near_[i]];
+            if (ask == Ask::StraysOnly && number_of_stray_[scene.proxies.bodies[q]] == kNone) continue;
             if (scene.proxies.kinds[q] == ProxyKind::Bounded) see(q);
         }
         near_.resize(first);

@@ -185,8 +185,10 @@ private:
     void search_from_start(const ContinuousScene& scene);
     /// Those of the broadphase's pairs with somebody fast and nobody astray, in parts that follow each other.
     void list_fast_pairs(const ContinuousScene& scene, std::span<const ProxyPair> found);
-    /// Whether so much is fast, and meets so many boxes on its way, that everybody is asked where he is and when.
-    [[nodiscard]] bool is_crowd(const ContinuousScene& scene, bool complete) const;
+    /// Whether so much is fast, and goes so far, that asking who is where and when is less work than asking for boxes, if it is asked often.
+    [[nodiscard]] bool may_crowd(const ContinuousScene& scene) const;
+    /// Whether it is less for who is fast when the step begins.
+    [[nodiscard]] bool crowds_at_start(bool complete) const;
     void list_courses(const ContinuousScene& scene);
     /// keep_company() of the rest of a step, by the velocities that the two have now.
     [[nodiscard]] bool stay_together(const ContinuousScene& scene, std::uint32_t slot_a, std::uint32_t slot_b) const;
@@ -252,7 +254,8 @@ private:
     std::vector<std::uint32_t> number_of_stray_;  // by slot: in these
     std::vector<unsigned char> is_stray_;      // by slot
     std::vector<std::uint32_t> mover_of_slot_;
-    bool crowd_ = false;                       // or else the next two are of no use
+    bool may_crowd_ = false, crowd_ = false;   // without the latter the next two are of no use
+    std::size_t looks_ = 0;                    // at boxes, in a step that may crowd
     CourseTable courses_;                      // of proxies_
     std::vector<std::uint32_t> near_;          // a stack: numbers of these
     struct alignas(64) FastPairs {             // what one thread found

@@ -35,6 +35,8 @@ void Continuous::run(const ContinuousScene& scene) {
     mover_count_ = 0;
     events_.clear();
     chances_.clear();
+    crowd_ = may_crowd_ = false;
+    looks_ = 0;
     const auto followed = static_cast<std::int64_t>(fast_.size());
     budget_ = kLeastBudget + kBudgetPerBody * followed;
     most_pairs_ = static_cast<std::size_t>(kLeastPairs + kPairsPerBody * followed);
@@ -82,8 +84,8 @@ void Continuous::search_from_start(const ContinuousScene& scene) {
     const PairUpdate& found = scene.broadphase.result();
     const bool complete = found.status == PairStatus::Complete;
     if (complete) list_fast_pairs(scene, found.pairs);
-    crowd_ = is_crowd(scene, complete);
-    if (crowd_) list_courses(scene);
+    may_crowd_ = may_crowd(scene);
+    if (crowds_at_start(complete)) list_courses(scene);
     const bool all_ask = crowd_ || !complete;
     if (!all_ask) {
         for (const FastPairs& part : fast_pairs_) {
@@ -151,11 +153,15 @@ double Continuous::first_chance_of(const ContinuousScene& scene, const Pair& pai
     const Mover &mover_a = movers_[mover_of_slot_[a.body]], &mover_b = movers_[mover_of_slot_[b.body]];
     const Ball ball{&mover_a.course, a.reach};
     const double room = kSweepRoomShare * size_of(scene, pair);
-    const bool stands = scene.bodies.roles[b.body] == Role::Static;
-    if (scene.proxies.kinds[pair.b] != ProxyKind::Plane) {
-        return stands ? first_chance(ball, bounds(b.shape, scene.proxies.poses[pair.b]), from, room) : first_chance(ball, {&mover_b.course, b.reach}, from, room);
-    }
+    const Role role = scene.bodies.roles[b.body];
     const PathPiece& way = mover_b.path.piece(BodyPath::kWhole);
+    if (scene.proxies.kinds[pair.b] != ProxyKind::Plane) {
+        if (role == Role::Static) return first_chance(ball, bounds(b.shape, scene.proxies.poses[pair.b]), from, room);
+        const Ball other{&mover_b.course, b.reach};
+        const double by_balls = first_chance(ball, other, from, room);
+        if (by_balls > from || role != Role::Kinematic) return by_balls;
+        return first_chance(ball, other, bounds(b.shape, way.start * b.local), from, room);  // walls and floors are large and thin
+    }
     if (way.rotation != dvec3{0.0}) return from;  // seldom, and the search is short
     const Pose pose = way.start * b.local;
     const Plane& plane = std::get<Plane>(b.shape);

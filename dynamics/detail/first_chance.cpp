@@ -67,6 +67,14 @@ double first_chance(const Ball& a, const Aabb& still, double from, double room) 
     return first > 0.0 ? early(from, first) : from;
 }
 
+// As seen from B's centre of mass.
+double first_chance(const Ball& a, const Ball& b, const Aabb& box, double from, double room) noexcept {
+    const Course &course_a = *a.course, &course_b = *b.course;
+    const double turned = b.reach * std::min(course_b.turn, 2.0), rounding = kRounding * (1.0 + course_b.turn) * (size_of(course_b.at) + size_of(course_b.rate) + b.reach);
+    const Course course{at(course_a, from) - (from - course_b.begin) * course_b.rate, from, course_a.rate - course_b.rate, course_a.play + course_b.play, course_a.turn};
+    return first_chance({&course, a.reach}, box, from, room + turned + rounding);
+}
+
 double first_chance(const Ball& a, const Course& plane, const dvec3& foot, const dvec3& normal, double from, double room) noexcept {
     const dvec3 start = at(*a.course, from), there = foot + (from - plane.begin) * plane.rate;
     const double lengths = size_of(a.course->at) + size_of(foot) + size_of(plane.at) + size_of(a.course->rate) + size_of(plane.rate) + a.reach;

@@ -38,6 +38,8 @@ struct Ball {
 [[nodiscard]] double first_chance(const Ball& a, const Ball& b, double from, double room) noexcept;
 /// The same of a ball and what stands still, and is within a box.
 [[nodiscard]] double first_chance(const Ball& a, const Aabb& still, double from, double room) noexcept;
+/// The same of a ball and what is within a box when its own course begins, and within a ball.
+[[nodiscard]] double first_chance(const Ball& a, const Ball& b, const Aabb& box, double from, double room) noexcept;
 /// The same of a ball and a half-space that does not turn, through `foot` when its own course begins; `normal` points out of it and is of unit length.
 [[nodiscard]] double first_chance(const Ball& a, const Course& plane, const dvec3& foot, const dvec3& normal, double from, double room) noexcept;
 
