@@ -19,9 +19,9 @@ constexpr double kTolerance = 1e-4;  // of the energy of a free rotation
 
 constexpr std::size_t kSlotGrain = 256;
 
-/// A crowd: of so many shapes one is fast, who is asked for once for so many, and of shapes there are no more than so many for each of its extents that what is
+/// A crowd: of so many shapes one is fast, and of shapes there are no more than so many for each of its extents that what is
 /// fast goes in the mean. To ask a table about a shape takes a nanosecond, and boxes along a way some 0.5 µs for each extent.
-constexpr std::size_t kCrowdShare = 8, kCrowdLooks = 4;
+constexpr std::size_t kCrowdShare = 8;
 constexpr double kShapesPerExtent = 512.0, kLongWay = 64.0;
 
 /// Replaces `slots` by those that are marked, ascending.
@@ -404,12 +404,9 @@ void Continuous::list_courses(const ContinuousScene& scene) {
 }
 
 void Continuous::for_each_near(const ContinuousScene& scene, const Mover& mover, std::uint32_t proxy, Ask ask, double from, double to,
-                               FunctionRef<void(std::uint32_t q)> visit) {
-    const std::uint64_t look = ++look_;
-    seen_.resize(scene.proxies.by_slot.size(), 0);
+                               std::vector<std::uint32_t>& near, FunctionRef<void(std::uint32_t q)> visit) const {
     const auto see = [&](std::uint32_t q) {
-        if (std::exchange(seen_[q], look) != look && may_meet(scene, proxy, q)) visit(q);
-        return true;
+        if (may_meet(scene, proxy, q)) visit(q);
     };
     if (scene.proxies.kinds[proxy] == ProxyKind::Plane) {
         for (std::uint32_t q = 0; q < scene.proxies.by_slot.size(); ++q) {
@@ -418,35 +415,39 @@ void Continuous::for_each_near(const ContinuousScene& scene, const Mover& mover,
         return;
     }
     for (const std::uint32_t plane : scene.proxies.planes) see(plane);
+    const auto is_astray = [&](std::uint32_t q) { return number_of_stray_[scene.proxies.bodies[q]] != kNone; };
     const double reach = scene.proxies.by_slot[proxy].reach;
-    if (!crowd_ && may_crowd_ && ask == Ask::Everybody && ++looks_ > proxies_.size() / kCrowdLooks) list_courses(scene);
     if (crowd_) {
-        const std::size_t first = near_.size();
-        courses_.list_near({&mover.course, reach}, from, to, kSweepRoomShare * scene.proxies.extents[proxy], near_);
-        const std::size_t last = near_.size();
-        for (std::size_t i = first; i < last; ++i) {
-            const std::uint32_t q = proxies_[near_[i]];
-            if (ask == Ask::StraysOnly && number_of_stray_[scene.proxies.bodies[q]] == kNone) continue;
-            if (scene.proxies.kinds[q] == ProxyKind::Bounded) see(q);
+        near.clear();
+        courses_.list_near({&mover.course, reach}, from, to, kSweepRoomShare * scene.proxies.extents[proxy], near);
+        for (const std::uint32_t k : near) {
+            const std::uint32_t q = proxies_[k];
+            if (scene.proxies.kinds[q] == ProxyKind::Bounded && (ask == Ask::Everybody || is_astray(q))) see(q);
         }
-        near_.resize(first);
         return;
     }
-    const PathPiece way = mover.path.piece(BodyPath::kWhole);  // a copy: visits split paths
+    const PathPiece& way = mover.path.piece(BodyPath::kWhole);
     const dvec3 at = way.start.position - scene.proxies.origin, round{reach + way.sway};
-    if (ask == Ask::Everybody) query_swept_box(scene.broadphase, at - round, at + round, way.translation, see);
-    const Aabb box = box_of(way, reach);
-    stray_boxes_.for_each_meeting(box, [&](std::size_t k) {  // visits may add some
+    if (ask == Ask::Everybody) {
+        query_swept_box(scene.broadphase, at - round, at + round, way.translation, [&](std::uint32_t q) {
+            if (!is_astray(q)) see(q);
+            return true;
+        });
+    }
+    stray_boxes_.for_each_meeting(box_of(way, reach), [&](std::size_t k) {
         const std::uint32_t slot = strays_[k];
         if (slot == mover.slot) return;
-        for (std::uint32_t i = first_proxy_[slot]; i < first_proxy_[slot + 1]; ++i) see(proxies_[i]);
+        for (std::uint32_t i = first_proxy_[slot]; i < first_proxy_[slot + 1]; ++i) {
+            if (scene.proxies.kinds[proxies_[i]] == ProxyKind::Bounded) see(proxies_[i]);
+        }
     });
 }
 
 std::size_t Continuous::memory() const noexcept {
     std::size_t sum = movers_.size() * sizeof(Mover) + stray_boxes_.memory() + courses_.memory() + held_by(wishes_, sizes_, first_proxy_, proxies_, departures_, departure_of_slot_) +
-                      held_by(fast_, is_fast_, strays_, number_of_stray_, is_stray_, mover_of_slot_, fast_pairs_, displaced_, events_, chances_, seen_, near_, manifolds_);
+                      held_by(fast_, is_fast_, strays_, number_of_stray_, is_stray_, mover_of_slot_, fast_pairs_, displaced_, events_, chances_, probes_, finders_, manifolds_);
     for (const FastPairs& some : fast_pairs_) sum += held_by(some.pairs);
+    for (const Finder& some : finders_) sum += held_by(some.near, some.pairs);
     return sum;
 }
 

@@ -62,6 +62,7 @@ struct SweptPair {
 /// @return how finely the path of a body is cut.
 [[nodiscard]] PathSettings path_settings(const BodySize& size, double dt);
 inline constexpr double kSweepToleranceShare = 1e-4;  // of the smallest extent: how near a search comes
+inline constexpr int kLevelOfContacts = 4;  // at which contacts of the solver are watched
 inline constexpr double kSweepRoomShare = 2.0 * kSweepToleranceShare;  // likewise: nearer than that nothing is without a chance to touch
 
 class Continuous {
@@ -179,8 +180,9 @@ private:
 
     /// Whom the broadphase is asked for; planes and strays are visited in any case.
     enum class Ask : unsigned char { Everybody, StraysOnly };
-    /// @param from, to  when; in a crowd what is not near then is passed over.
-    void for_each_near(const ContinuousScene& scene, const Mover& mover, std::uint32_t proxy, Ask ask, double from, double to, FunctionRef<void(std::uint32_t q)> visit);
+    /// Each once. @param from, to  when; in a crowd what is not near then is passed over. @param near  a scratch list.
+    void for_each_near(const ContinuousScene& scene, const Mover& mover, std::uint32_t proxy, Ask ask, double from, double to, std::vector<std::uint32_t>& near,
+                       FunctionRef<void(std::uint32_t q)> visit) const;
     /// Pairs that the broadphase found for this step hold for who stayed in his boxes; who strayed asks anew.
     void search_from_start(const ContinuousScene& scene);
     /// Those of the broadphase's pairs with somebody fast and nobody astray, in parts that follow each other.
@@ -193,16 +195,36 @@ private:
     /// keep_company() of the rest of a step, by the velocities that the two have now.
     [[nodiscard]] bool stay_together(const ContinuousScene& scene, std::uint32_t slot_a, std::uint32_t slot_b) const;
     [[nodiscard]] bool may_meet(const ContinuousScene& scene, std::uint32_t p, std::uint32_t q) const;
-    /// Of a body that begins a path at `from`. @param skip  the slot of a body that is left out.
-    void search_all(const ContinuousScene& scene, std::uint32_t mover, double from, std::uint32_t skip);
-    /// Of one that is fast, with those that do not ask themselves.
-    void search_first(const ContinuousScene& scene, std::uint32_t mover, Ask ask);
-    /// Searches two that may meet at once; others when it comes to that.
-    void expect(const ContinuousScene& scene, const Pair& pair, double from);
+    /// Of somebody who begins a path: who is near it, but for the body in the slot `skip`.
+    struct Around {
+        std::uint32_t mover = 0, skip = kNone;
+    };
+    void search_around(const ContinuousScene& scene, std::span<const Around> around, double from);
+    void search_all(const ContinuousScene& scene, std::uint32_t mover, double from, std::uint32_t skip) {
+        const Around one{mover, skip};
+        search_around(scene, {&one, 1}, from);
+    }
+    /// Those who are fast when the step begins, with those who do not ask themselves.
+    void search_first(const ContinuousScene& scene, bool all_ask);
+    /// Searches in order those who may meet at once, and expects the others when it comes to that.
+    void search_some(const ContinuousScene& scene, std::span<const Pair> pairs, double from);
     [[nodiscard]] double first_chance_of(const ContinuousScene& scene, const Pair& pair, double from) const;
     void take_chance(const ContinuousScene& scene);
+    [[nodiscard]] PathSearch search_of(const ContinuousScene& scene, const Pair& pair, double from, int level);
     /// @param earliest  of the times that the search may find; they are not touching before.
     void search(const ContinuousScene& scene, const Pair& pair, double from, int level, double earliest = 0.0);
+    void take_answer(const ContinuousScene& scene, const Pair& pair, const PathSearch& answer, bool met, double earliest);
+    /// Two that are looked at together with others: many threads look, and one takes the answers in their order.
+    struct Probe {
+        Pair pair;
+        std::uint32_t version_a = 0, version_b = 0;  ///< of the movers
+        double chance = 0.0;
+        bool met = false;
+        std::optional<PathSearch> answer{};          ///< of those who may meet at once, unless who takes it is to ask
+    };
+    void look(const ContinuousScene& scene, Probe& probe, double from);
+    void take(const ContinuousScene& scene, const Probe& probe, double from);
+    [[nodiscard]] bool is_current(const ContinuousScene& scene, const Pair& pair, std::uint32_t version_a, std::uint32_t version_b) const;
     [[nodiscard]] Pair order(const ContinuousScene& scene, std::uint32_t p, std::uint32_t q) const {
         return swept_order(scene.proxies, scene.bodies.roles, p, q);
     }
@@ -255,11 +277,16 @@ private:
     std::vector<unsigned char> is_stray_;      // by slot
     std::vector<std::uint32_t> mover_of_slot_;
     bool may_crowd_ = false, crowd_ = false;   // without the latter the next two are of no use
-    std::size_t looks_ = 0;                    // at boxes, in a step that may crowd
+    std::size_t looks_ = 0;                    // around movers, in a step that may crowd
     CourseTable courses_;                      // of proxies_
-    std::vector<std::uint32_t> near_;          // a stack: numbers of these
+    struct alignas(64) Finder {                // what one thread finds
+        std::vector<std::uint32_t> near;
+        std::vector<Pair> pairs;
+    };
+    std::vector<Finder> finders_;
+    std::vector<Probe> probes_;                // unless somebody has it
     struct alignas(64) FastPairs {             // what one thread found
-        std::vector<ProxyPair> pairs;
+        std::vector<Pair> pairs;
     };
     std::vector<FastPairs> fast_pairs_;
     std::deque<Mover> movers_;
@@ -269,8 +296,6 @@ private:
     std::size_t mover_count_ = 0;              // those beyond keep their memory
     std::vector<Event> events_;                // a heap
     std::vector<Chance> chances_;              // likewise
-    std::vector<std::uint64_t> seen_;          // by proxy: the look in which it was seen
-    std::uint64_t look_ = 0;
     std::int64_t budget_ = 0;                  // impacts that are left in this step
     std::int64_t pieces_left_ = 0;
     std::size_t most_pairs_ = 0;

@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <tuple>
 
 namespace carom::dynamics {
 namespace {
@@ -17,7 +15,6 @@ constexpr std::int64_t kLeastPairs = 16384, kPairsPerBody = 256;     // times of
 constexpr std::int64_t kLeastPieces = 65536, kPiecesPerBody = 1024;  // pieces of paths that are looked at for them
 constexpr std::size_t kChancesPerPair = 16;                          // bounds of times of impact, for each time of impact that may be asked for
 constexpr int kNoBlow = 0, kPush = 1, kImpact = 16;  // what goes to a body's account: what is kinematic goes on, and must not find it standing still
-constexpr int kLevelOfContacts = 4;        // at which contacts of the solver are watched
 constexpr double kMarginShare = 1e-3;     // of the same: how far points of contact are looked for beyond that
 
 /// What the solver moved has the velocity of the step's end, and with it what gravity does in the part of the step that a body which stops does not go. Taken out,
@@ -36,6 +33,7 @@ void Continuous::run(const ContinuousScene& scene) {
     events_.clear();
     chances_.clear();
     crowd_ = may_crowd_ = false;
+    if (finders_.empty()) finders_.resize(1);
     looks_ = 0;
     const auto followed = static_cast<std::int64_t>(fast_.size());
     budget_ = kLeastBudget + kBudgetPerBody * followed;
@@ -63,146 +61,6 @@ void Continuous::run(const ContinuousScene& scene) {
         note_leg(i, 1.0);
     }
     paths_ = nullptr;
-}
-
-void Continuous::list_fast_pairs(const ContinuousScene& scene, std::span<const ProxyPair> found) {
-    constexpr std::size_t kPart = 4096;
-    const std::size_t parts = (found.size() + kPart - 1) / kPart;
-    if (fast_pairs_.size() < parts) fast_pairs_.resize(parts);
-    for (FastPairs& part : fast_pairs_) part.pairs.clear();
-    scene.executor.parallel_for(parts, 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) {
-            for (const ProxyPair& pair : found.subspan(k * kPart, std::min(kPart, found.size() - k * kPart))) {
-                const std::uint32_t a = scene.proxies.bodies[pair.a], b = scene.proxies.bodies[pair.b];
-                if ((is_fast_[a] | is_fast_[b]) != 0 && (is_stray_[a] | is_stray_[b]) == 0) fast_pairs_[k].pairs.push_back(pair);
-            }
-        }
-    });
-}
-
-void Continuous::search_from_start(const ContinuousScene& scene) {
-    const PairUpdate& found = scene.broadphase.result();
-    const bool complete = found.status == PairStatus::Complete;
-    if (complete) list_fast_pairs(scene, found.pairs);
-    may_crowd_ = may_crowd(scene);
-    if (crowds_at_start(complete)) list_courses(scene);
-    const bool all_ask = crowd_ || !complete;
-    if (!all_ask) {
-        for (const FastPairs& part : fast_pairs_) {
-            for (const ProxyPair& pair : part.pairs) {
-                if (keep_company(scene, scene.proxies.bodies[pair.a], scene.proxies.bodies[pair.b]) || !may_meet(scene, pair.a, pair.b)) continue;
-                expect(scene, order(scene, pair.a, pair.b), 0.0);
-            }
-        }
-        if (strays_.empty() && scene.proxies.planes.empty()) return;
-    }
-    for (const std::uint32_t slot : fast_) search_first(scene, mover_of(scene, slot), all_ask || is_stray_[slot] != 0 ? Ask::Everybody : Ask::StraysOnly);
-}
-
-SweptPair swept_order(const ProxySet& proxies, const std::vector<Role>& roles, std::uint32_t p, std::uint32_t q) {
-    const auto mass = [&](std::uint32_t proxy) { return has_mass(roles[proxies.bodies[proxy]]); };
-    const auto mesh = [&](std::uint32_t proxy) { return type_of(proxies.by_slot[proxy].shape) == ShapeType::TriangleMesh; };
-    const double size_p = proxies.extents[p], size_q = proxies.extents[q];
-    const bool larger = size_q > size_p || (size_q == size_p && q < p);
-    const bool swap = mass(p) != mass(q) ? mass(q) : mesh(p) != mesh(q) ? mesh(p) : larger;
-    return swap ? SweptPair{q, p} : SweptPair{p, q};
-}
-
-double swept_size(const ProxySet& proxies, const SweptPair& pair) {
-    return std::min(proxies.extents[pair.a],
-                    proxies.kinds[pair.b] == ProxyKind::Plane ? std::numeric_limits<double>::infinity() : proxies.extents[pair.b]);
-}
-
-void Continuous::search_all(const ContinuousScene& scene, std::uint32_t number, double from, std::uint32_t skip) {
-    const Mover& mover = movers_[number];
-    for (std::uint32_t k = first_proxy_[mover.slot]; k < first_proxy_[mover.slot + 1]; ++k) {
-        const std::uint32_t p = proxies_[k];
-        for_each_near(scene, mover, p, Ask::Everybody, from, 1.0, [&](std::uint32_t q) {
-            const std::uint32_t other = scene.proxies.bodies[q];
-            if (other != skip && !stay_together(scene, mover.slot, other)) expect(scene, order(scene, p, q), from);
-        });
-    }
-}
-
-void Continuous::search_first(const ContinuousScene& scene, std::uint32_t number, Ask ask) {
-    const Mover& mover = movers_[number];
-    for (std::uint32_t k = first_proxy_[mover.slot]; k < first_proxy_[mover.slot + 1]; ++k) {
-        const std::uint32_t p = proxies_[k];
-        for_each_near(scene, mover, p, ask, 0.0, 1.0, [&](std::uint32_t q) {
-            const std::uint32_t other = scene.proxies.bodies[q];
-            const bool other_asks = is_fast_[other] != 0 && other < mover.slot;
-            if (!other_asks && !keep_company(scene, mover.slot, other)) expect(scene, order(scene, p, q), 0.0);
-        });
-    }
-}
-
-// Of a body with a hundred in its way the first one that it meets gives it another way, so mostly one of a hundred times of impact is of any use.
-void Continuous::expect(const ContinuousScene& scene, const Pair& pair, double from) {
-    const std::uint32_t number_a = mover_of(scene, scene.proxies.bodies[pair.a]), number_b = mover_of(scene, scene.proxies.bodies[pair.b]);
-    if (go_together(scene, number_a, number_b)) return;
-    if (++chance_count_ > most_chances_) budget_ = 0;
-    const double t = first_chance_of(scene, pair, from);
-    if (t == kNoChance) return;
-    if (t <= from) return search(scene, pair, from, 0);
-    chances_.push_back({t, from, pair, movers_[number_a].version, movers_[number_b].version});
-    std::push_heap(chances_.begin(), chances_.end(), Chance::later);
-}
-
-double Continuous::first_chance_of(const ContinuousScene& scene, const Pair& pair, double from) const {
-    const Proxy &a = scene.proxies.by_slot[pair.a], &b = scene.proxies.by_slot[pair.b];
-    const Mover &mover_a = movers_[mover_of_slot_[a.body]], &mover_b = movers_[mover_of_slot_[b.body]];
-    const Ball ball{&mover_a.course, a.reach};
-    const double room = kSweepRoomShare * size_of(scene, pair);
-    const Role role = scene.bodies.roles[b.body];
-    const PathPiece& way = mover_b.path.piece(BodyPath::kWhole);
-    if (scene.proxies.kinds[pair.b] != ProxyKind::Plane) {
-        if (role == Role::Static) return first_chance(ball, bounds(b.shape, scene.proxies.poses[pair.b]), from, room);
-        const Ball other{&mover_b.course, b.reach};
-        const double by_balls = first_chance(ball, other, from, room);
-        if (by_balls > from || role != Role::Kinematic) return by_balls;
-        return first_chance(ball, other, bounds(b.shape, way.start * b.local), from, room);  // walls and floors are large and thin
-    }
-    if (way.rotation != dvec3{0.0}) return from;  // seldom, and the search is short
-    const Pose pose = way.start * b.local;
-    const Plane& plane = std::get<Plane>(b.shape);
-    const dvec3 n(plane.normal);
-    const double length = glm::length(n);
-    return first_chance(ball, mover_b.course, transform_point(pose, (static_cast<double>(plane.offset) / (length * length)) * n), rotate(pose.orientation, n / length),
-                        from, room);
-}
-
-void Continuous::take_chance(const ContinuousScene& scene) {
-    std::pop_heap(chances_.begin(), chances_.end(), Chance::later);
-    const Chance chance = chances_.back();
-    chances_.pop_back();
-    const auto version = [&](std::uint32_t proxy) { return movers_[mover_of_slot_[scene.proxies.bodies[proxy]]].version; };
-    if (version(chance.pair.a) == chance.version_a && version(chance.pair.b) == chance.version_b) search(scene, chance.pair, chance.from, 0, chance.t);
-}
-
-void Continuous::search(const ContinuousScene& scene, const Pair& pair, double from, int level, double earliest) {
-    const Proxy &a = scene.proxies.by_slot[pair.a], &b = scene.proxies.by_slot[pair.b];
-    const std::uint32_t number_a = mover_of(scene, a.body), number_b = mover_of(scene, b.body);
-    if (go_together(scene, number_a, number_b)) return;
-    Mover &mover_a = movers_[number_a], &mover_b = movers_[number_b];
-    PathSearch search{.a = {&mover_a.path, &a.shape, &a.local, a.reach}, .b = {&mover_b.path, &b.shape, &b.local, b.reach}};
-    search.level = level;
-    search.from = from;
-    search.tolerance = kSweepToleranceShare * size_of(scene, pair);
-    const Role role = scene.bodies.roles[b.body];
-    if (role == Role::Static || scene.proxies.kinds[pair.b] == ProxyKind::Plane) {
-        search.still = scene.proxies.kinds[pair.b] == ProxyKind::Plane ? kEverywhere : bounds(b.shape, scene.proxies.poses[pair.b]);
-    }
-    if (++counts_.pairs > most_pairs_) budget_ = 0;
-    const bool met = touch(search, from, 1.0, cores_);
-    pieces_left_ -= search.pieces;
-    if (pieces_left_ < 0) budget_ = 0;
-    if (!met) return;
-    counts_.clamped += search.impact.status == ImpactStatus::Clamped ? 1 : 0;
-    search.t = std::max(search.t, earliest);
-    // What touches from the start is the solver's.
-    if (search.t == from && (from == 0.0 || level > 0)) return search_deeper(scene, pair, from, from == 0.0 ? std::max(level, kLevelOfContacts - 1) : level);
-    events_.push_back({search.t, pair, level, mover_a.version, mover_b.version, search.impact, search.bend});
-    std::push_heap(events_.begin(), events_.end(), Event::later);
 }
 
 // As the shapes are, whatever their paths may bend.
@@ -305,8 +163,8 @@ void Continuous::resolve(const ContinuousScene& scene, const Event& event) {
     const std::uint32_t onto_a = carrier_of(scene, number_a), onto_b = carrier_of(scene, number_b);
     strike(scene, number_a, event.t, {state_a, cause, to_a, onto_b});
     if (b_gives_way) strike(scene, number_b, event.t, {state_b, cause, blow ? kImpact : kNoBlow, onto_a});
-    search_all(scene, number_a, event.t, kNone);
-    if (b_gives_way) search_all(scene, number_b, event.t, slot_a);
+    const Around both[]{{number_a, kNone}, {number_b, slot_a}};
+    search_around(scene, std::span{both}.first(b_gives_way ? 2 : 1), event.t);
 }
 
 // The rest of the step begins anew for a body that was struck, or whose chord would go on where its velocity does not. What the solver had moved

@@ -28,12 +28,13 @@ void Continuous::part(const ContinuousScene& scene, const Event& event, Pose& a,
 double Continuous::room_for(const ContinuousScene& scene, std::uint32_t slot, std::uint32_t partner, double t, const Pose& from,
                             const dvec3& shift) {
     double room = 1.0;
+    std::vector<std::uint32_t>& near = finders_.front().near;
     shifted_.slot = slot;
     shifted_.path.go({.start = from, .translation = shift});
     shifted_.course = {.at = from.position, .play = glm::length(shift)};
     for (std::uint32_t k = first_proxy_[slot]; k < first_proxy_[slot + 1]; ++k) {
         const std::uint32_t p = proxies_[k];
-        for_each_near(scene, shifted_, p, Ask::Everybody, t, t, [&](std::uint32_t q) {
+        for_each_near(scene, shifted_, p, Ask::Everybody, t, t, near, [&](std::uint32_t q) {
             const std::uint32_t other = scene.proxies.bodies[q];
             if (other == partner) return;
             standing_.go({.start = state_at(scene, movers_[mover_of(scene, other)], t).pose});
