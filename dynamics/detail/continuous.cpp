@@ -445,7 +445,7 @@ void Continuous::for_each_near(const ContinuousScene& scene, const Mover& mover,
 
 std::size_t Continuous::memory() const noexcept {
     std::size_t sum = movers_.size() * sizeof(Mover) + stray_boxes_.memory() + courses_.memory() + held_by(wishes_, sizes_, first_proxy_, proxies_, departures_, departure_of_slot_) +
-                      held_by(fast_, is_fast_, strays_, number_of_stray_, is_stray_, mover_of_slot_, fast_pairs_, displaced_, events_, chances_, probes_, finders_, manifolds_);
+                      held_by(fast_, is_fast_, strays_, number_of_stray_, is_stray_, mover_of_slot_, fast_pairs_, displaced_, events_, chances_, probes_, at_once_, finders_, manifolds_);
     for (const FastPairs& some : fast_pairs_) sum += held_by(some.pairs);
     for (const Finder& some : finders_) sum += held_by(some.near, some.pairs);
     return sum;

@@ -222,6 +222,7 @@ private:
         bool met = false;
         std::optional<PathSearch> answer{};          ///< of those who may meet at once, unless who takes it is to ask
     };
+    void look_together(const ContinuousScene& scene, std::span<Probe> probes, double from);
     void look(const ContinuousScene& scene, Probe& probe, double from);
     void take(const ContinuousScene& scene, const Probe& probe, double from);
     [[nodiscard]] bool is_current(const ContinuousScene& scene, const Pair& pair, std::uint32_t version_a, std::uint32_t version_b) const;
@@ -285,6 +286,7 @@ private:
     };
     std::vector<Finder> finders_;
     std::vector<Probe> probes_;                // unless somebody has it
+    std::vector<std::uint32_t> at_once_;       // of these
     struct alignas(64) FastPairs {             // what one thread found
         std::vector<Pair> pairs;
     };

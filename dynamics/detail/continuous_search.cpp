@@ -13,7 +13,7 @@ namespace {
 constexpr std::size_t kFastPart = 4096, kAskers = 32;   // what one thread does at a time: pairs, and bodies
 constexpr std::size_t kCrowdLooks = 4;                  // for so many shapes one is asked for before it is a crowd
 constexpr std::size_t kProbes = 4096;                   // that are looked at together
-constexpr std::size_t kSharedProbes = 6, kGrain = 2;    // so many are worth several threads
+constexpr std::size_t kManyBounds = 256, kManySearches = 4;  // so many are worth several threads
 
 }  // namespace
 
@@ -98,7 +98,7 @@ void Continuous::search_first(const ContinuousScene& scene, bool all_ask) {
 void Continuous::search_around(const ContinuousScene& scene, std::span<const Around> around, double from) {
     if (!crowd_ && may_crowd_ && (looks_ += around.size()) > proxies_.size() / kCrowdLooks) list_courses(scene);
     if (finders_.size() < around.size()) finders_.resize(around.size());
-    scene.executor.parallel_for(around.size(), 1, [&](std::size_t begin, std::size_t end) {
+    const auto list = [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
             Finder& finder = finders_[i];
             finder.pairs.clear();
@@ -111,14 +111,9 @@ void Continuous::search_around(const ContinuousScene& scene, std::span<const Aro
                 });
             }
         }
-    });
-    if (around.size() == 1) {
-        std::vector<Pair> pairs = std::exchange(finders_[0].pairs, {});  // what is struck lists others
-        search_some(scene, pairs, from);
-        finders_[0].pairs.swap(pairs);
-        return;
-    }
-    std::vector<Pair> pairs = std::exchange(finders_[0].pairs, {});
+    };
+    crowd_ ? list(0, around.size()) : scene.executor.parallel_for(around.size(), 1, list);  // what a table tells is told in a microsecond
+    std::vector<Pair> pairs = std::exchange(finders_[0].pairs, {});  // what is struck lists others
     for (std::size_t i = 1; i < around.size(); ++i) pairs.insert(pairs.end(), finders_[i].pairs.begin(), finders_[i].pairs.end());
     search_some(scene, pairs, from);
     finders_[0].pairs.swap(pairs);
@@ -133,26 +128,37 @@ void Continuous::search_some(const ContinuousScene& scene, std::span<const Pair>
             const std::uint32_t a = mover_of(scene, scene.proxies.bodies[pair.a]), b = mover_of(scene, scene.proxies.bodies[pair.b]);
             if (!go_together(scene, a, b)) probes.push_back({pair, movers_[a].version, movers_[b].version});
         }
-        const bool shared = scene.executor.thread_count() > 1 && probes.size() >= kSharedProbes;
-        if (shared) {
-            scene.executor.parallel_for(probes.size(), kGrain, [&](std::size_t begin, std::size_t end) {
-                for (std::size_t i = begin; i < end; ++i) look(scene, probes[i], from);
-            });
-        }
-        for (Probe& probe : probes) {
-            if (!is_current(scene, probe.pair, probe.version_a, probe.version_b)) continue;  // who was struck since has asked for all
-            if (!shared) probe.chance = first_chance_of(scene, probe.pair, from);
-            take(scene, probe, from);
+        const auto bound = [&](std::size_t begin, std::size_t end) {
+            for (std::size_t i = begin; i < end; ++i) probes[i].chance = first_chance_of(scene, probes[i].pair, from);
+        };
+        probes.size() < kManyBounds ? bound(0, probes.size()) : scene.executor.parallel_for(probes.size(), kManyBounds / 4, bound);
+        look_together(scene, probes, from);
+        for (const Probe& probe : probes) {
+            if (is_current(scene, probe.pair, probe.version_a, probe.version_b)) take(scene, probe, from);  // who was struck since has asked for all
         }
     }
     probes_.swap(probes);
 }
 
-// Paths and cores that a search makes finer are one thread's: others take copies of the former, and leave the latter alone.
+// On one thread who takes the answers asks. Meshes have hulls made for them then.
+void Continuous::look_together(const ContinuousScene& scene, std::span<Probe> probes, double from) {
+    if (scene.executor.thread_count() == 1) return;
+    const auto has_hull = [&](const Probe& probe) {
+        const ShapeType type = type_of(scene.proxies.by_slot[probe.pair.a].shape);
+        return type == ShapeType::TriangleMesh || type == ShapeType::Compound;
+    };
+    at_once_.clear();
+    for (std::uint32_t i = 0; i < probes.size(); ++i) {
+        if (probes[i].chance <= from && !has_hull(probes[i])) at_once_.push_back(i);
+    }
+    if (at_once_.size() < kManySearches) return;
+    scene.executor.parallel_for(at_once_.size(), 1, [&](std::size_t begin, std::size_t end) {
+        for (std::size_t i = begin; i < end; ++i) look(scene, probes[at_once_[i]], from);
+    });
+}
+
+// Paths that a search makes finer are one thread's: others take copies.
 void Continuous::look(const ContinuousScene& scene, Probe& probe, double from) {
-    probe.chance = first_chance_of(scene, probe.pair, from);
-    const ShapeType type = type_of(scene.proxies.by_slot[probe.pair.a].shape);
-    if (probe.chance > from || type == ShapeType::TriangleMesh || type == ShapeType::Compound) return;
     PathSearch search = search_of(scene, probe.pair, from, 0);
     BodyPath copies[2];
     int copied = 0;
