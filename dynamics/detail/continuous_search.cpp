@@ -143,10 +143,7 @@ void Continuous::search_some(const ContinuousScene& scene, std::span<const Pair>
 // On one thread who takes the answers asks. Meshes have hulls made for them then.
 void Continuous::look_together(const ContinuousScene& scene, std::span<Probe> probes, double from) {
     if (scene.executor.thread_count() == 1) return;
-    const auto has_hull = [&](const Probe& probe) {
-        const ShapeType type = type_of(scene.proxies.by_slot[probe.pair.a].shape);
-        return type == ShapeType::TriangleMesh || type == ShapeType::Compound;
-    };
+    const auto has_hull = [&](const Probe& probe) { return type_of(scene.proxies.by_slot[probe.pair.a].shape) == ShapeType::TriangleMesh; };
     at_once_.clear();
     for (std::uint32_t i = 0; i < probes.size(); ++i) {
         if (probes[i].chance <= from && !has_hull(probes[i])) at_once_.push_back(i);
