@@ -42,7 +42,7 @@ void expect_first(double t, double from, const Apart& apart, const char* what, i
 TEST(FirstChance, OfBallsIsWhenTheyTouch) {
     Random r(1);
     int met = 0, at_once = 0;
-    for (int i = 0; i < 4000; ++i) {
+    for (int i = 0; i < 20'000; ++i) {
         const Course a = some_course(r), b = some_course(r);
         const double from = std::max(a.begin, b.begin), reach_a = r.range(0.01, 0.5), reach_b = r.range(0.01, 0.5), room = r.range(0.0, 0.01);
         const double t = first_chance({&a, reach_a}, {&b, reach_b}, from, room);
@@ -55,7 +55,7 @@ TEST(FirstChance, OfBallsIsWhenTheyTouch) {
     }
     EXPECT_GT(met, 300) << "or else nothing is tested";
     EXPECT_GT(at_once, 20);
-    EXPECT_LT(at_once, met / 2);
+    EXPECT_LT(at_once, 3 * met / 4) << "or else all touch when they start";
 }
 
 TEST(FirstChance, OfABallAndABoxIsNoLaterThanTheyTouch) {
@@ -159,13 +159,13 @@ TEST(CourseTable, ListsAllWhoHaveAChanceAndFewOthers) {
         std::vector<Course> courses;
         std::vector<double> reaches;
         for (std::size_t k = 0; k < count; ++k) {
-            courses.push_back(some_course(r, k % 10 == 0 ? 1e5 : 2.5));
+            courses.push_back(some_course(r, k % 10 == 0 ? 1e5 : 1.5));
             reaches.push_back(r.range(0.01, 0.3));
         }
         for (std::size_t k = 0; k < count; ++k) table.set(k, {&courses[k], reaches[k]});
         int chances = 0, listed = 0;
         for (int i = 0; i < 300; ++i) {
-            const Course own = some_course(r, 2.5);
+            const Course own = some_course(r, 1.5);
             const double from = 0.9 + 0.1 * r.unit() * r.unit(), to = i % 3 == 0 ? from : i % 3 == 1 ? 1.0 : r.range(from, 1.0), room = 1e-4;
             std::vector<std::uint32_t> expected, found;
             set_simd_width(available_simd_widths().front());
