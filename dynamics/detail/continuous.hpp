@@ -4,6 +4,8 @@
 //   continuous.depart(slot, state); ...; continuous.arrive(slot, state);
 //   if (continuous.look(scene)) continuous.run(scene);   // after everybody has moved
 //
+// continuous.cpp has the bodies and their paths, continuous_near.cpp who is near one, continuous_search.cpp when two meet, continuous_events.cpp what comes of it.
+//
 // Impacts come in the order of their times. At each the two bodies get new velocities and new paths for the rest of the step, and all that is near these is
 // asked for again: of the broadphase, and of those that have left the boxes it knows (strays).
 //
@@ -97,6 +99,7 @@ public:
 
 private:
     static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+    [[nodiscard]] static bool moves(Role role) noexcept { return role == Role::Dynamic || role == Role::Kinematic; }
     static constexpr double kSlowShare = 0.01;  // of the smallest extent, in a step: slower is no impact
     static constexpr double kSlowedTurn = 0.99 * kMostTurn;  // in a step: what spins faster is slowed down to that [rad]
 
