@@ -193,7 +193,7 @@ private:
     /// Whether so much is fast, and goes so far, that asking who is where and when is less work than asking for boxes, if it is asked often.
     [[nodiscard]] bool may_crowd(const ContinuousScene& scene) const;
     /// Whether it is less for who is fast when the step begins.
-    [[nodiscard]] bool crowds_at_start(bool complete) const;
+    [[nodiscard]] bool crowds_at_start(const ContinuousScene& scene, bool complete) const;
     void list_courses(const ContinuousScene& scene);
     /// keep_company() of the rest of a step, by the velocities that the two have now.
     [[nodiscard]] bool stay_together(const ContinuousScene& scene, std::uint32_t slot_a, std::uint32_t slot_b) const;
@@ -280,8 +280,8 @@ private:
     std::vector<std::uint32_t> number_of_stray_;  // by slot: in these
     std::vector<unsigned char> is_stray_;      // by slot
     std::vector<std::uint32_t> mover_of_slot_;
-    bool may_crowd_ = false, crowd_ = false;   // without the latter the next two are of no use
-    std::size_t looks_ = 0;                    // around movers, in a step that may crowd
+    bool crowd_ = false, no_crowd_ = false;    // the latter: it was looked at, and is none
+    std::size_t looks_ = 0;                    // around movers, until that is known
     CourseTable courses_;                      // of proxies_
     struct alignas(64) Finder {                // what one thread finds
         std::vector<std::uint32_t> near;

@@ -32,7 +32,7 @@ void Continuous::run(const ContinuousScene& scene) {
     mover_count_ = 0;
     events_.clear();
     chances_.clear();
-    crowd_ = may_crowd_ = false;
+    crowd_ = no_crowd_ = false;
     if (finders_.empty()) finders_.resize(1);
     looks_ = 0;
     const auto followed = static_cast<std::int64_t>(fast_.size());

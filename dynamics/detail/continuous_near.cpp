@@ -41,13 +41,12 @@ bool Continuous::may_crowd(const ContinuousScene& scene) const {
 }
 
 // By what each takes, in nanoseconds.
-bool Continuous::crowds_at_start(bool complete) const {
+bool Continuous::crowds_at_start(const ContinuousScene& scene, bool complete) const {
     constexpr std::size_t kPair = 20, kLook = 3000, kStray = 5, kListed = 100, kCourse = 1;
-    if (!may_crowd_) return false;
     std::size_t pairs = 0;
     for (const FastPairs& part : fast_pairs_) pairs += part.pairs.size();
     const std::size_t boxes = kPair * pairs + (kLook + kStray * fast_.size()) * (complete ? strays_.size() : fast_.size());
-    return boxes > (kListed + kCourse * fast_.size()) * proxies_.size();
+    return boxes > (kListed + kCourse * fast_.size()) * proxies_.size() && may_crowd(scene);
 }
 
 // What stands needs no mover until somebody meets it, and what is out of range meets nobody.

@@ -35,8 +35,7 @@ void Continuous::search_from_start(const ContinuousScene& scene) {
     const PairUpdate& found = scene.broadphase.result();
     const bool complete = found.status == PairStatus::Complete;
     if (complete) list_fast_pairs(scene, found.pairs);
-    may_crowd_ = may_crowd(scene);
-    if (crowds_at_start(complete)) list_courses(scene);
+    if (crowds_at_start(scene, complete)) list_courses(scene);
     const bool all_ask = crowd_ || !complete;
     if (!all_ask) {
         scene.executor.parallel_for(fast_pairs_.size(), 1, [&](std::size_t begin, std::size_t end) {
@@ -96,7 +95,10 @@ void Continuous::search_first(const ContinuousScene& scene, bool all_ask) {
 }
 
 void Continuous::search_around(const ContinuousScene& scene, std::span<const Around> around, double from) {
-    if (!crowd_ && may_crowd_ && (looks_ += around.size()) > proxies_.size() / kCrowdLooks) list_courses(scene);
+    if (!crowd_ && !no_crowd_ && (looks_ += around.size()) > proxies_.size() / kCrowdLooks) {
+        no_crowd_ = !may_crowd(scene);
+        if (!no_crowd_) list_courses(scene);
+    }
     if (finders_.size() < around.size()) finders_.resize(around.size());
     const auto list = [&](std::size_t begin, std::size_t end) {
         for (std::size_t i = begin; i < end; ++i) {
