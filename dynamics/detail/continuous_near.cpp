@@ -28,7 +28,8 @@ void Continuous::note_way(const ContinuousScene& scene, std::uint32_t slot, cons
     stray_boxes_.set(number, path.box(sizes_[slot].reach));
     if (!crowd_) return;
     const Course course = course_of(path);
-    for (std::uint32_t k = first_proxy_[slot]; k < first_proxy_[slot + 1]; ++k) courses_.set(k, {&course, scene.proxies.by_slot[proxies_[k]].reach});
+    for (std::uint32_t k = first_proxy_[slot]; k < first_proxy_[slot + 1]; ++k)
+        courses_.set(k, {&course, scene.proxies.by_slot[proxies_[k]].reach});
 }
 
 bool Continuous::may_crowd(const ContinuousScene& scene) const {
@@ -58,7 +59,8 @@ void Continuous::list_courses(const ContinuousScene& scene) {
         const BodyState& state = scene.bodies.states[slot];
         const bool goes = moves(scene.bodies.roles[slot]) && is_usable(state, scene.dt);
         const Course course = goes ? movers_[mover_of(scene, slot)].course : Course{.at = state.pose.position};
-        for (std::uint32_t k = first_proxy_[slot]; k < first_proxy_[slot + 1]; ++k) courses_.set(k, {&course, scene.proxies.by_slot[proxies_[k]].reach});
+        for (std::uint32_t k = first_proxy_[slot]; k < first_proxy_[slot + 1]; ++k)
+            courses_.set(k, {&course, scene.proxies.by_slot[proxies_[k]].reach});
     }
 }
 

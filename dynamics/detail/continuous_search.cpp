@@ -10,9 +10,9 @@
 namespace carom::dynamics {
 namespace {
 
-constexpr std::size_t kFastPart = 4096, kAskers = 32;   // what one thread does at a time: pairs, and bodies
-constexpr std::size_t kCrowdLooks = 4;                  // for so many shapes one is asked for before it is a crowd
-constexpr std::size_t kProbes = 4096;                   // that are looked at together
+constexpr std::size_t kFastPart = 4096, kAskers = 32;        // what one thread does at a time: pairs, and bodies
+constexpr std::size_t kCrowdLooks = 4;                       // for so many shapes one is asked for before it is a crowd
+constexpr std::size_t kProbes = 4096;                        // that are looked at together
 constexpr std::size_t kManyBounds = 256, kManySearches = 4;  // so many are worth several threads
 
 }  // namespace
@@ -25,7 +25,8 @@ void Continuous::list_fast_pairs(const ContinuousScene& scene, std::span<const P
         for (std::size_t k = begin; k < end; ++k) {
             for (const ProxyPair& pair : found.subspan(k * kFastPart, std::min(kFastPart, found.size() - k * kFastPart))) {
                 const std::uint32_t a = scene.proxies.bodies[pair.a], b = scene.proxies.bodies[pair.b];
-                if ((is_fast_[a] | is_fast_[b]) != 0 && (is_stray_[a] | is_stray_[b]) == 0) fast_pairs_[k].pairs.push_back({pair.a, pair.b});
+                if ((is_fast_[a] | is_fast_[b]) != 0 && (is_stray_[a] | is_stray_[b]) == 0)
+                    fast_pairs_[k].pairs.push_back({pair.a, pair.b});
             }
         }
     });
@@ -41,7 +42,8 @@ void Continuous::search_from_start(const ContinuousScene& scene) {
         scene.executor.parallel_for(fast_pairs_.size(), 1, [&](std::size_t begin, std::size_t end) {
             for (std::size_t k = begin; k < end; ++k) {
                 std::erase_if(fast_pairs_[k].pairs, [&](const Pair& pair) {
-                    return keep_company(scene, scene.proxies.bodies[pair.a], scene.proxies.bodies[pair.b]) || !may_meet(scene, pair.a, pair.b);
+                    return keep_company(scene, scene.proxies.bodies[pair.a], scene.proxies.bodies[pair.b]) ||
+                           !may_meet(scene, pair.a, pair.b);
                 });
                 for (Pair& pair : fast_pairs_[k].pairs) pair = order(scene, pair.a, pair.b);
             }
@@ -86,7 +88,8 @@ void Continuous::search_first(const ContinuousScene& scene, bool all_ask) {
     scene.executor.parallel_for(parts, 1, [&](std::size_t begin, std::size_t end) {
         for (std::size_t k = begin; k < end; ++k) {
             finders_[k].pairs.clear();
-            for (const std::uint32_t slot : std::span{fast_}.subspan(k * kAskers, std::min(kAskers, fast_.size() - k * kAskers))) list(slot, finders_[k]);
+            for (const std::uint32_t slot : std::span{fast_}.subspan(k * kAskers, std::min(kAskers, fast_.size() - k * kAskers)))
+                list(slot, finders_[k]);
         }
     });
     std::vector<Pair> pairs;  // what is struck lists others
@@ -115,7 +118,7 @@ void Continuous::search_around(const ContinuousScene& scene, std::span<const Aro
         }
     };
     crowd_ ? list(0, around.size()) : scene.executor.parallel_for(around.size(), 1, list);  // what a table tells is told in a microsecond
-    std::vector<Pair> pairs = std::exchange(finders_[0].pairs, {});  // what is struck lists others
+    std::vector<Pair> pairs = std::exchange(finders_[0].pairs, {});                         // what is struck lists others
     for (std::size_t i = 1; i < around.size(); ++i) pairs.insert(pairs.end(), finders_[i].pairs.begin(), finders_[i].pairs.end());
     search_some(scene, pairs, from);
     finders_[0].pairs.swap(pairs);
@@ -136,7 +139,8 @@ void Continuous::search_some(const ContinuousScene& scene, std::span<const Pair>
         probes.size() < kManyBounds ? bound(0, probes.size()) : scene.executor.parallel_for(probes.size(), kManyBounds / 4, bound);
         look_together(scene, probes, from);
         for (const Probe& probe : probes) {
-            if (is_current(scene, probe.pair, probe.version_a, probe.version_b)) take(scene, probe, from);  // who was struck since has asked for all
+            if (is_current(scene, probe.pair, probe.version_a, probe.version_b))
+                take(scene, probe, from);  // who was struck since has asked for all
         }
     }
     probes_.swap(probes);
@@ -214,8 +218,8 @@ double Continuous::first_chance_of(const ContinuousScene& scene, const Pair& pai
     const Plane& plane = std::get<Plane>(b.shape);
     const dvec3 n(plane.normal);
     const double length = glm::length(n);
-    return first_chance(ball, mover_b.course, transform_point(pose, (static_cast<double>(plane.offset) / (length * length)) * n), rotate(pose.orientation, n / length),
-                        from, room);
+    return first_chance(ball, mover_b.course, transform_point(pose, (static_cast<double>(plane.offset) / (length * length)) * n),
+                        rotate(pose.orientation, n / length), from, room);
 }
 
 PathSearch Continuous::search_of(const ContinuousScene& scene, const Pair& pair, double from, int level) {
@@ -226,7 +230,8 @@ PathSearch Continuous::search_of(const ContinuousScene& scene, const Pair& pair,
     search.from = from;
     search.tolerance = kSweepToleranceShare * size_of(scene, pair);
     const bool is_plane = scene.proxies.kinds[pair.b] == ProxyKind::Plane;
-    if (is_plane || scene.bodies.roles[b.body] == Role::Static) search.still = is_plane ? kEverywhere : bounds(b.shape, scene.proxies.poses[pair.b]);
+    if (is_plane || scene.bodies.roles[b.body] == Role::Static)
+        search.still = is_plane ? kEverywhere : bounds(b.shape, scene.proxies.poses[pair.b]);
     return search;
 }
 
@@ -246,7 +251,8 @@ void Continuous::take_answer(const ContinuousScene& scene, const Pair& pair, con
     const double t = std::max(answer.t, earliest), from = answer.from;
     const int level = answer.level;
     // What touches from the start is the solver's.
-    if (t == from && (from == 0.0 || level > 0)) return search_deeper(scene, pair, from, from == 0.0 ? std::max(level, kLevelOfContacts - 1) : level);
+    if (t == from && (from == 0.0 || level > 0))
+        return search_deeper(scene, pair, from, from == 0.0 ? std::max(level, kLevelOfContacts - 1) : level);
     const auto version = [&](std::uint32_t proxy) { return movers_[mover_of_slot_[scene.proxies.bodies[proxy]]].version; };
     events_.push_back({t, pair, level, version(pair.a), version(pair.b), answer.impact, answer.bend});
     std::push_heap(events_.begin(), events_.end(), Event::later);

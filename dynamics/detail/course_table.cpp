@@ -43,7 +43,9 @@ using namespace carom::HWY_NAMESPACE;
 
 // Nearer than r at once; or coming nearer, and within r where they are nearest, or at the end if that is before. What is no number counts as near.
 HWY_INLINE unsigned near_lanes(const CourseTable::CourseRows& rows, int lane, const Asker& asker) {
-    const auto three = [lane](const DoubleBundle (&row)[3]) { return Doubles3{load(row[0].lane + lane), load(row[1].lane + lane), load(row[2].lane + lane)}; };
+    const auto three = [lane](const DoubleBundle(&row)[3]) {
+        return Doubles3{load(row[0].lane + lane), load(row[1].lane + lane), load(row[2].lane + lane)};
+    };
     const Doubles3 rate = three(rows.rate), own{Doubles(asker.at.x), Doubles(asker.at.y), Doubles(asker.at.z)};
     const Doubles3 between = (three(rows.at) + rate * Doubles(asker.from)) - own;
     const Doubles3 along = rate - Doubles3{Doubles(asker.rate.x), Doubles(asker.rate.y), Doubles(asker.rate.z)};
@@ -51,7 +53,8 @@ HWY_INLINE unsigned near_lanes(const CourseTable::CourseRows& rows, int lane, co
     const Doubles apart = dot(between, between), closing = -dot(between, along), speed = dot(along, along);
     const Doubles left = (apart - r * r) - share * (apart + r * r);
     const Doubles product = speed * left, square = closing * closing, root = (square - product) + share * (square + product);
-    const Doubles at_end = (left - span * (closing + closing)) + span * span * speed, slack = share * (apart + span * abs(closing) + span * span * speed);
+    const Doubles at_end = (left - span * (closing + closing)) + span * span * speed,
+                  slack = share * (apart + span * abs(closing) + span * span * speed);
     const DoubleMask goes_by = closing < speed * span;  // is nearest before the end
     const DoubleMask misses = (closing <= Doubles(0.0)) | (goes_by & (root < Doubles(0.0))) | ((!goes_by) & (at_end > slack));
     return bits(!((left > Doubles(0.0)) & misses));

@@ -32,9 +32,12 @@ Course course_of(const BodyPath& path) noexcept {
 // chance that is known.
 double first_chance(const Ball& a, const Ball& b, double from, double room) noexcept {
     const dvec3 between = at(*b.course, from) - at(*a.course, from), along = b.course->rate - a.course->rate;
-    const double lengths = size_of(a.course->at) + size_of(b.course->at) + size_of(a.course->rate) + size_of(b.course->rate) + a.reach + b.reach;
-    const double near = a.reach + b.reach + a.course->play + b.course->play + room + kRounding * (1.0 + a.course->turn + b.course->turn) * lengths;
-    const double apart = glm::dot(between, between), square = near * near, closing = -glm::dot(between, along), speed = glm::dot(along, along);
+    const double lengths =
+        size_of(a.course->at) + size_of(b.course->at) + size_of(a.course->rate) + size_of(b.course->rate) + a.reach + b.reach;
+    const double near =
+        a.reach + b.reach + a.course->play + b.course->play + room + kRounding * (1.0 + a.course->turn + b.course->turn) * lengths;
+    const double apart = glm::dot(between, between), square = near * near, closing = -glm::dot(between, along),
+                 speed = glm::dot(along, along);
     const double left = apart - square - kRounding * (apart + square);
     if (!(left > 0.0)) return from;
     if (closing <= 0.0) return kNoChance;
@@ -70,14 +73,17 @@ double first_chance(const Ball& a, const Aabb& still, double from, double room) 
 // As seen from B's centre of mass.
 double first_chance(const Ball& a, const Ball& b, const Aabb& box, double from, double room) noexcept {
     const Course &course_a = *a.course, &course_b = *b.course;
-    const double turned = b.reach * std::min(course_b.turn, 2.0), rounding = kRounding * (1.0 + course_b.turn) * (size_of(course_b.at) + size_of(course_b.rate) + b.reach);
-    const Course course{at(course_a, from) - (from - course_b.begin) * course_b.rate, from, course_a.rate - course_b.rate, course_a.play + course_b.play, course_a.turn};
+    const double turned = b.reach * std::min(course_b.turn, 2.0),
+                 rounding = kRounding * (1.0 + course_b.turn) * (size_of(course_b.at) + size_of(course_b.rate) + b.reach);
+    const Course course{at(course_a, from) - (from - course_b.begin) * course_b.rate, from, course_a.rate - course_b.rate,
+                        course_a.play + course_b.play, course_a.turn};
     return first_chance({&course, a.reach}, box, from, room + turned + rounding);
 }
 
 double first_chance(const Ball& a, const Course& plane, const dvec3& foot, const dvec3& normal, double from, double room) noexcept {
     const dvec3 start = at(*a.course, from), there = foot + (from - plane.begin) * plane.rate;
-    const double lengths = size_of(a.course->at) + size_of(foot) + size_of(plane.at) + size_of(a.course->rate) + size_of(plane.rate) + a.reach;
+    const double lengths =
+        size_of(a.course->at) + size_of(foot) + size_of(plane.at) + size_of(a.course->rate) + size_of(plane.rate) + a.reach;
     const double near = a.reach + a.course->play + plane.play + room + kRounding * (1.0 + a.course->turn) * lengths;
     const double height = glm::dot(normal, start - there) - near, closing = glm::dot(normal, plane.rate - a.course->rate);
     if (!(height > 0.0)) return from;

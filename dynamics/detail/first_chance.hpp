@@ -21,8 +21,9 @@ struct Course {
     dvec3 at{0.0};       ///< when it begins [m]
     double begin = 0.0;  ///< fraction of the step
     dvec3 rate{0.0};     ///< [m] a step
-    double play = 0.0;   ///< no point of the body is farther from where a screw has it than that, nor is any search's piece of the path: sway and bend [m]
-    double turn = 0.0;   ///< [rad] from the beginning to 1
+    double play =
+        0.0;  ///< no point of the body is farther from where a screw has it than that, nor is any search's piece of the path: sway and bend [m]
+    double turn = 0.0;  ///< [rad] from the beginning to 1
 };
 [[nodiscard]] Course course_of(const BodyPath& path) noexcept;
 
@@ -41,6 +42,7 @@ struct Ball {
 /// The same of a ball and what is within a box when its own course begins, and within a ball.
 [[nodiscard]] double first_chance(const Ball& a, const Ball& b, const Aabb& box, double from, double room) noexcept;
 /// The same of a ball and a half-space that does not turn, through `foot` when its own course begins; `normal` points out of it and is of unit length.
-[[nodiscard]] double first_chance(const Ball& a, const Course& plane, const dvec3& foot, const dvec3& normal, double from, double room) noexcept;
+[[nodiscard]] double first_chance(const Ball& a, const Course& plane, const dvec3& foot, const dvec3& normal, double from,
+                                  double room) noexcept;
 
 }  // namespace carom::dynamics

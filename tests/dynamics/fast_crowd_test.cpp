@@ -62,11 +62,13 @@ struct Hall {
         for (int i = 0; i < steps; ++i) {
             const ContinuousCounts c = world.step(kDt).continuous;
             sum.followed += c.followed, sum.pairs += c.pairs, sum.impacts += c.impacts, sum.clamped += c.clamped, sum.stopped += c.stopped;
-            sum.carried += c.carried, sum.crushed += c.crushed, sum.parted += c.parted, sum.slowed += c.slowed, sum.overlapping += c.overlapping;
+            sum.carried += c.carried, sum.crushed += c.crushed, sum.parted += c.parted, sum.slowed += c.slowed,
+                sum.overlapping += c.overlapping;
         }
     }
     [[nodiscard]] std::array<std::size_t, 10> counts() const {
-        return {sum.followed, sum.pairs, sum.impacts, sum.clamped, sum.stopped, sum.carried, sum.crushed, sum.parted, sum.slowed, sum.overlapping};
+        return {sum.followed, sum.pairs,   sum.impacts, sum.clamped, sum.stopped,
+                sum.carried,  sum.crushed, sum.parted,  sum.slowed,  sum.overlapping};
     }
     /// Bodies whose centre is behind some wall.
     [[nodiscard]] std::size_t outside() const {
@@ -106,7 +108,8 @@ TEST(FastCrowd, WhoIsWhereAndWhenTellsWhatBoxesTell) {
     for (const Walls how : {Walls::Stand, Walls::Move}) {
         Hall by_time(5, 50.0, 600.0, how, 11, kNoGravity), by_boxes(5, 50.0, 600.0, how, 11, kNoGravity);
         for (int i = 0; i < 1200; ++i) {
-            const BodyId ball = by_boxes.world.create_body({.type = BodyType::Static, .position = {1000.0 + 2.0 * (i % 40), 2.0 * (i / 40), 0.0}});
+            const BodyId ball =
+                by_boxes.world.create_body({.type = BodyType::Static, .position = {1000.0 + 2.0 * (i % 40), 2.0 * (i / 40), 0.0}});
             by_boxes.world.add_shape(ball, Sphere{0.5f});
         }
         by_time.run(6), by_boxes.run(6);
@@ -133,7 +136,8 @@ TEST(FastCrowd, HasTheSameBitsOnAnyNumberOfThreads) {
                 def.executor = threads;
                 Hall hall(5, 0.1 * fastest, fastest, how, 7, def);
                 hall.run(4);
-                EXPECT_EQ(hall.world.state_hash(), alone.world.state_hash()) << threads->thread_count() << " threads, up to " << fastest << " m/s";
+                EXPECT_EQ(hall.world.state_hash(), alone.world.state_hash())
+                    << threads->thread_count() << " threads, up to " << fastest << " m/s";
                 EXPECT_EQ(hall.counts(), alone.counts()) << threads->thread_count() << " threads, up to " << fastest << " m/s";
             }
         }
@@ -147,8 +151,10 @@ TEST(FastCrowd, OfAllShapesHasTheSameBitsOnAnyNumberOfThreads) {
         Hall hall(4, 20.0, 200.0, Walls::Move, 5, def);
         Random r(9);
         const std::vector<vec3> corners{{0, 0, 0}, {0.3f, 0, 0}, {0, 0.3f, 0}, {0, 0, 0.3f}};
-        const auto mesh = TriangleMesh::build(corners, std::vector<TriangleMesh::Triangle>{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}).value();
-        const Shape shapes[]{ConvexHull::build(corners).value(), mesh, Compound::build({{Sphere{0.05f}, {{0.1, 0.0, 0.0}}}, {Box{vec3{0.05f}}, {}}}).value()};
+        const auto mesh =
+            TriangleMesh::build(corners, std::vector<TriangleMesh::Triangle>{{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}).value();
+        const Shape shapes[]{ConvexHull::build(corners).value(), mesh,
+                             Compound::build({{Sphere{0.05f}, {{0.1, 0.0, 0.0}}}, {Box{vec3{0.05f}}, {}}}).value()};
         for (int i = 0; i < 18; ++i) {
             const BodyId body = hall.world.create_body({.position = 0.5 * dvec3{i % 3, i / 3 % 3, 3 * (i / 9)} - dvec3{0.28, 0.28, 0.53},
                                                         .linear_velocity = r.range(20.0, 200.0) * random_direction(r),

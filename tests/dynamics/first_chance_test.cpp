@@ -8,9 +8,9 @@
 
 #include <support/random_pose.hpp>
 
+#include <gtest/gtest.h>
 #include <glm/common.hpp>
 #include <glm/geometric.hpp>
-#include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
@@ -44,11 +44,14 @@ TEST(FirstChance, OfBallsIsWhenTheyTouch) {
     int met = 0, at_once = 0;
     for (int i = 0; i < 20'000; ++i) {
         const Course a = some_course(r), b = some_course(r);
-        const double from = std::max(a.begin, b.begin), reach_a = r.range(0.01, 0.5), reach_b = r.range(0.01, 0.5), room = r.range(0.0, 0.01);
+        const double from = std::max(a.begin, b.begin), reach_a = r.range(0.01, 0.5), reach_b = r.range(0.01, 0.5),
+                     room = r.range(0.0, 0.01);
         const double t = first_chance({&a, reach_a}, {&b, reach_b}, from, room);
         const double swapped = first_chance({&b, reach_b}, {&a, reach_a}, from, room);
         ASSERT_TRUE(swapped == t || std::abs(swapped - t) < 1e-9) << swapped << " and " << t;
-        const auto apart = [&](double at) { return glm::length(place(a, at) - place(b, at)) - (reach_a + reach_b + a.play + b.play + room); };
+        const auto apart = [&](double at) {
+            return glm::length(place(a, at) - place(b, at)) - (reach_a + reach_b + a.play + b.play + room);
+        };
         expect_first(t, from, apart, "balls", i);
         met += t < 1.0 ? 1 : 0;
         at_once += t == from ? 1 : 0;
@@ -83,7 +86,9 @@ TEST(FirstChance, OfAHalfSpaceIsWhenTheyTouch) {
         const Course a = some_course(r), plane{.begin = 0.0, .rate = somewhere(r, 3.0)};
         const dvec3 normal = test::random_direction(r), foot = somewhere(r, 2.0);
         const double reach = r.range(0.01, 0.5), t = first_chance({&a, reach}, plane, foot, normal, a.begin, 0.0);
-        expect_first(t, a.begin, [&](double at) { return glm::dot(normal, place(a, at) - (foot + at * plane.rate)) - (reach + a.play); }, "plane", i);
+        expect_first(
+            t, a.begin, [&](double at) { return glm::dot(normal, place(a, at) - (foot + at * plane.rate)) - (reach + a.play); }, "plane",
+            i);
         met += t < 1.0 ? 1 : 0;
     }
     EXPECT_GT(met, 300);
@@ -95,7 +100,8 @@ TEST(FirstChance, OfAWallThatTurnsIsNoLaterThanItTouches) {
     int met = 0, never = 0;
     for (int i = 0; i < 1500; ++i) {
         const Box wall{vec3{2.0f, 1.5f, 0.01f}};
-        const PathPiece piece{.start = {somewhere(r, 3.0), test::random_rotation(r)}, .translation = somewhere(r, 1.0), .rotation = somewhere(r, 0.3)};
+        const PathPiece piece{
+            .start = {somewhere(r, 3.0), test::random_rotation(r)}, .translation = somewhere(r, 1.0), .rotation = somewhere(r, 0.3)};
         BodyPath path;
         path.go(piece);
         const Course b = course_of(path), a = some_course(r, 5.0);
@@ -104,7 +110,8 @@ TEST(FirstChance, OfAWallThatTurnsIsNoLaterThanItTouches) {
             const double at = a.begin + (std::min(t, 1.0) - a.begin) * k / 60.0;
             if (at >= std::min(t, 1.0)) break;
             const Pose pose = pose_at(piece, at);
-            const dvec3 p = inverse_transform_point(pose, place(a, at)), outside = glm::max(glm::abs(p) - dvec3(wall.half_extents), dvec3{0.0});
+            const dvec3 p = inverse_transform_point(pose, place(a, at)),
+                        outside = glm::max(glm::abs(p) - dvec3(wall.half_extents), dvec3{0.0});
             ASSERT_GT(glm::length(outside), reach) << i << " at " << at << " of " << t;
         }
         met += t < 1.0 ? 1 : 0;
@@ -127,7 +134,9 @@ void launch(Random& r, Flyer& flyer) {
     flyer.reach = std::holds_alternative<Box>(flyer.shape) ? 0.33 : 0.1001;
     static_cast<FreeRotation&>(flyer.mass) = FreeRotation{dvec3{0.03, 0.02, 0.005}, dvec3{1.0 / 0.03, 1.0 / 0.02, 1.0 / 0.005}};
     flyer.mass.mass = flyer.mass.inverse_mass = 1.0;
-    const BodyState start{.pose = {somewhere(r, 2.0), test::random_rotation(r)}, .velocity = somewhere(r, 300.0), .spin = somewhere(r, std::pow(10.0, r.range(-1.0, 3.0)))};
+    const BodyState start{.pose = {somewhere(r, 2.0), test::random_rotation(r)},
+                          .velocity = somewhere(r, 300.0),
+                          .spin = somewhere(r, std::pow(10.0, r.range(-1.0, 3.0)))};
     flyer.path.fly({start, {.acceleration = {0.0, -9.81, 0.0}}}, flyer.mass, 0.0, {1.0 / 60.0, flyer.reach, 0.005});
 }
 
@@ -141,7 +150,8 @@ TEST(FirstChance, NoSearchFindsAnEarlierTime) {
         const double from = r.unit() < 0.5 ? 0.0 : r.range(0.0, 0.5), tolerance = 1e-5;
         const Course course_a = course_of(a.path), course_b = course_of(b.path);
         const double t = first_chance({&course_a, a.reach}, {&course_b, b.reach}, from, 2.0 * tolerance);
-        PathSearch search{.a = {&a.path, &a.shape, &a.local, a.reach}, .b = {&b.path, &b.shape, &b.local, b.reach}, .from = from, .tolerance = tolerance};
+        PathSearch search{
+            .a = {&a.path, &a.shape, &a.local, a.reach}, .b = {&b.path, &b.shape, &b.local, b.reach}, .from = from, .tolerance = tolerance};
         if (!touch(search, from, 1.0, cores)) continue;
         ++met;
         later += t > from ? 1 : 0;
@@ -166,7 +176,11 @@ TEST(CourseTable, ListsAllWhoHaveAChanceAndFewOthers) {
         int chances = 0, listed = 0;
         for (int i = 0; i < 300; ++i) {
             const Course own = some_course(r, 1.5);
-            const double from = 0.9 + 0.1 * r.unit() * r.unit(), to = i % 3 == 0 ? from : i % 3 == 1 ? 1.0 : r.range(from, 1.0), room = 1e-4;
+            const double from = 0.9 + 0.1 * r.unit() * r.unit(),
+                         to = i % 3 == 0   ? from
+                              : i % 3 == 1 ? 1.0
+                                           : r.range(from, 1.0),
+                         room = 1e-4;
             std::vector<std::uint32_t> expected, found;
             set_simd_width(available_simd_widths().front());
             table.list_near({&own, 0.1}, from, to, room, expected);
