@@ -59,10 +59,15 @@ HWY_INLINE DoubleMask operator>=(Doubles a, Doubles b) { return DoubleMask{hn::G
 HWY_INLINE DoubleMask operator==(Doubles a, Doubles b) { return DoubleMask{hn::Eq(a.raw, b.raw)}; }
 /// @return `yes` where the mask is true, `no` elsewhere.
 HWY_INLINE Doubles select(DoubleMask m, Doubles yes, Doubles no) { return Doubles{hn::IfThenElse(m.raw, yes.raw, no.raw)}; }
+#if HWY_ARCH_X86 && HWY_TARGET != HWY_SCALAR && HWY_TARGET != HWY_EMU128
 /// @return a < b ? a : b.
-HWY_INLINE Doubles min(Doubles a, Doubles b) { return select(a < b, a, b); }
+HWY_INLINE Doubles min(Doubles a, Doubles b) { return Doubles{hn::Min(a.raw, b.raw)}; }  // minpd is exactly this
 /// @return a > b ? a : b.
+HWY_INLINE Doubles max(Doubles a, Doubles b) { return Doubles{hn::Max(a.raw, b.raw)}; }
+#else
+HWY_INLINE Doubles min(Doubles a, Doubles b) { return select(a < b, a, b); }
 HWY_INLINE Doubles max(Doubles a, Doubles b) { return select(a > b, a, b); }
+#endif
 HWY_INLINE Doubles abs(Doubles a) { return Doubles{hn::Abs(a.raw)}; }
 HWY_INLINE Doubles sqrt(Doubles a) { return Doubles{hn::Sqrt(a.raw)}; }
 

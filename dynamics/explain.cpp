@@ -42,13 +42,13 @@ struct LastStep {
     const dynamics::BodyArrays& arrays;
     const ProxySet& proxies;
     const Broadphase& broadphase;
-    std::span<const NumberedPair> candidates;
     const dynamics::ContactSet& contacts;
     const dynamics::ContactSet& asleep;  ///< of what sleeps
     const dynamics::JointSet& joints;
     bool joints_changed = false;  ///< since the step
     double dt = 0.0;  ///< [s]
     bool looked_for_contacts = false;
+    double slack_share = 0.0;  ///< of the smallest extent, that candidates were given; 0: none
     double kept_share = 0.0;  ///< of the smallest extent, that pairs whose contacts were kept may have drifted by; 0: none were
 };
 
@@ -77,17 +77,17 @@ public:
         const bool both_planes = proxies.kinds[listed.a] == ProxyKind::Plane;
         if (both_planes) return pair;  // neither moves, or they are out of step: the filter has ended it
         pair.bounds = bounds_of(a.slot, b.slot);
-        const NumberedPair* candidate = find_candidate(listed);
+        const std::optional<NumberedPair> candidate = find_candidate(listed);
         if (passes) {
-            pair.broadphase = broadphase_of(listed, *pair.bounds, candidate != nullptr);
-            check_listing(*pair.bounds, *pair.broadphase, candidate != nullptr, listed);
-            if (candidate != nullptr) listed = *candidate;
-        } else if (candidate != nullptr && (!agrees || !w_.joints_changed)) {
+            pair.broadphase = broadphase_of(listed, *pair.bounds, candidate.has_value());
+            check_listing(*pair.bounds, *pair.broadphase, candidate.has_value(), listed);
+            if (candidate.has_value()) listed = *candidate;
+        } else if (candidate.has_value() && (!agrees || !w_.joints_changed)) {
             disagree("the filter parts the two, and yet the step listed them", listed);
         }
         add_contact(listed, pair);
         if (!passes) return pair;
-        pair.rung = candidate == nullptr ? (pair.bounds->gap > 0.0 ? Rung::Bounds : Rung::PairLimit) : rung_of(pair);
+        pair.rung = !candidate ? (pair.bounds->gap > 0.0 ? Rung::Bounds : Rung::PairLimit) : rung_of(pair);
         return pair;
     }
 
@@ -115,7 +115,7 @@ private:
     /// Whether the last step had the shape as it is.
     [[nodiscard]] bool known(ShapeId id) const {
         const ProxySet& p = w_.proxies;
-        if (id.slot >= p.kinds.size() || p.kinds[id.slot] == ProxyKind::None || p.by_slot[id.slot].id != id || p.stale[id.slot] != 0) return false;
+        if (id.slot >= p.kinds.size() || p.kinds[id.slot] == ProxyKind::None || p.owners[id.slot].shape != id || p.stale[id.slot] != 0) return false;
         const bool woken = w_.arrays.roles[p.bodies[id.slot]] == Role::Dynamic && !p.filters[id.slot].movable;
         if (woken) return false;
         return p.kinds[id.slot] == ProxyKind::Plane || p.listed[id.slot] != 0;
@@ -142,11 +142,13 @@ private:
         return found;
     }
 
-    [[nodiscard]] const NumberedPair* find_candidate(const NumberedPair& pair) const {
-        for (const NumberedPair& c : w_.candidates) {
-            if (c.a == pair.a && c.b == pair.b) return &c;
-        }
-        return nullptr;
+    /// What the step listed of the two: found anew, as it did.
+    [[nodiscard]] std::optional<NumberedPair> find_candidate(const NumberedPair& pair) const {
+        const std::uint32_t a = w_.proxies.bodies[pair.a], b = w_.proxies.bodies[pair.b];
+        if (w_.joints.parts(a, b)) return {};
+        std::optional<NumberedPair> found = dynamics::find_candidate(w_.proxies, w_.arrays, w_.broadphase.result().pairs, w_.dt, pair.a, pair.b);
+        if (found && w_.slack_share > 0.0) found->slack = dynamics::slack_of(w_.proxies, w_.slack_share, *found);
+        return found;
     }
 
     [[nodiscard]] BroadphaseFinding broadphase_of(const NumberedPair& pair, const BoundsFinding& bounds, bool is_candidate) const {
@@ -170,16 +172,16 @@ private:
     /// Measures the two where they were, and holds what the step has of them against it.
     void add_contact(const NumberedPair& listed, ShapePairExplanation& pair) const {
         const ProxySet& p = w_.proxies;
-        const auto placed = [&](std::uint32_t a, std::uint32_t b) {
-            return ShapePair{&p.by_slot[a].shape, &p.by_slot[b].shape, p.poses[a], p.poses[b], listed.margin};
+        const auto placed = [&](std::uint32_t a, std::uint32_t b, bool steady) {
+            return ShapePair{&p.by_slot[a].shape, &p.by_slot[b].shape, p.poses[a], p.poses[b], listed.margin, steady};
         };
         const std::uint32_t a = pair.shape_a.slot, b = pair.shape_b.slot;
         if (!can_collide(type_of(p.by_slot[a].shape), type_of(p.by_slot[b].shape))) return;
-        pair.contact = carom::explain(placed(a, b));
+        pair.contact = carom::explain(placed(a, b, false));
         if (!pair.contact->disagreement.empty()) disagree(pair.contact->disagreement, listed);
-        if (find_candidate(listed) == nullptr) return;
+        if (!find_candidate(listed)) return;
         std::vector<Manifold> anew;
-        carom::collide(placed(listed.a, listed.b), 0, anew);
+        carom::collide(placed(listed.a, listed.b, true), 0, anew);
         const ContactPair* const last = pair_of(w_.contacts, listed);
         const std::span<const Manifold> had = contacts_of(w_.contacts, listed);
         pair.found = summary_of(had);
@@ -211,7 +213,9 @@ private:
         if (anew.points == 0 && had.points == 0) return true;
         if (anew.points == 0) return had.least_separation >= margin - slack;
         if (had.points == 0) return anew.least_separation >= margin - slack;
-        return std::abs(anew.least_separation - had.least_separation) <= 1.01 * slack;
+        // Each of the two choices of four points may have left out another corner that is deeper by a third (PlacedShapes::steady).
+        const double overlooked = 0.3 * std::max(0.0, -std::max(anew.least_separation, had.least_separation));
+        return std::abs(anew.least_separation - had.least_separation) <= 1.01 * slack + overlooked;
     }
 
     [[nodiscard]] const ContactPair* pair_of(const dynamics::ContactSet& set, const NumberedPair& listed) const {
@@ -262,13 +266,13 @@ ContactExplanation World::explain(BodyId a, BodyId b) const {
                         .arrays = w.arrays,
                         .proxies = w.proxies,
                         .broadphase = w.broadphase,
-                        .candidates = w.candidates,
                         .contacts = w.contacts,
                         .asleep = w.sleepers.contacts(),
                         .joints = w.joints,
                         .joints_changed = w.joints.version() != w.joint_solver.version(),
                         .dt = w.last_substep * w.def.substeps,
                         .looked_for_contacts = w.looked_for_contacts,
+                        .slack_share = w.names.now.empty() ? 0.0 : w.def.contact_reuse,
                         .kept_share = w.patched ? w.def.contact_reuse : 0.0};
     const PairClimb climb(step, why.disagreements);
     for (const ShapeId shape_a : of_a->shapes) {

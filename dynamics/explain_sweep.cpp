@@ -49,22 +49,22 @@ bool had_contacts(const LastPaths& last, const SweptPair& pair) {
 }
 
 SweepImpact impact_of(const LastPaths& last, const PathImpact& impact) {
-    const Proxy &a = last.proxies.by_slot[impact.a], &b = last.proxies.by_slot[impact.b];
-    SweepImpact out{.body_a = a.owner, .body_b = b.owner, .shape_a = a.id, .shape_b = b.id};
+    const dynamics::ProxyOwner &a = last.proxies.owners[impact.a], &b = last.proxies.owners[impact.b];
+    SweepImpact out{.body_a = a.body, .body_b = b.body, .shape_a = a.shape, .shape_b = b.shape};
     out.t = impact.t;
     out.status = impact.t > 0.0 && impact.status == ImpactStatus::Overlapping ? ImpactStatus::Touching : impact.status;
     out.margin = impact.margin;
     out.watched = dynamics::kRestOfLevel[impact.level];
     out.point = impact.point, out.normal = impact.normal;
     out.blow = impact.blow;
-    out.pose_a = impact.pose_a * inverse(last.paths.bodies[a.body].mass.principal);
-    out.pose_b = impact.pose_b * inverse(last.paths.bodies[b.body].mass.principal);
+    out.pose_a = impact.pose_a * inverse(last.paths.bodies[a.body.slot].principal);
+    out.pose_b = impact.pose_b * inverse(last.paths.bodies[b.body.slot].principal);
     // Found anew, from the impact before it.
     double begin = 0.0;
     for (const dynamics::PathLeg& leg : last.paths.legs) {
-        if ((leg.slot == a.body || leg.slot == b.body) && leg.begin < impact.t) begin = std::max(begin, leg.begin);
+        if ((leg.slot == a.body.slot || leg.slot == b.body.slot) && leg.begin < impact.t) begin = std::max(begin, leg.begin);
     }
-    RecordedPath path_a(last.paths, a.body), path_b(last.paths, b.body);
+    RecordedPath path_a(last.paths, a.body.slot), path_b(last.paths, b.body.slot);
     PairSweep sweep(last.proxies, {impact.a, impact.b}, path_a, path_b);
     out.advances = sweep.looks(impact.level, begin);
     return out;
@@ -73,8 +73,8 @@ SweepImpact impact_of(const LastPaths& last, const PathImpact& impact) {
 /// Whether the last step had the shape as it is.
 bool known(const LastPaths& last, ShapeId id) {
     const ProxySet& p = last.proxies;
-    return id.slot < p.kinds.size() && p.kinds[id.slot] != ProxyKind::None && p.by_slot[id.slot].id == id && p.stale[id.slot] == 0 &&
-           last.paths.has(p.by_slot[id.slot].owner) && (p.kinds[id.slot] == ProxyKind::Plane || p.listed[id.slot] != 0);
+    return id.slot < p.kinds.size() && p.kinds[id.slot] != ProxyKind::None && p.owners[id.slot].shape == id && p.stale[id.slot] == 0 &&
+           last.paths.has(p.owners[id.slot].body) && (p.kinds[id.slot] == ProxyKind::Plane || p.listed[id.slot] != 0);
 }
 
 /// Adds the impacts of bodies that are asked for, of shapes that are as they were.
@@ -83,7 +83,7 @@ void add_impacts(const LastPaths& last, std::vector<SweepImpact>& out, const Wan
     if (!last.paths.is_there) return;
     for (const PathImpact& impact : last.paths.impacts) {
         if (!known(last, impact.id_a) || !known(last, impact.id_b)) continue;
-        if (wanted(last.proxies.by_slot[impact.a].owner) || wanted(last.proxies.by_slot[impact.b].owner))
+        if (wanted(last.proxies.owners[impact.a].body) || wanted(last.proxies.owners[impact.b].body))
             out.push_back(impact_of(last, impact));
     }
 }
@@ -272,7 +272,7 @@ Pose World::pose_within_step(BodyId body, double t) const {
                   w.body_pose(body));
     if (!w.paths.has(body)) return w.body_pose(body);
     const RecordedPath path(w.paths, body.slot);
-    return path.pose_at(t) * inverse(w.paths.bodies[body.slot].mass.principal);
+    return path.pose_at(t) * inverse(w.paths.bodies[body.slot].principal);
 }
 
 }  // namespace carom

@@ -98,7 +98,7 @@ BroadphasePlan World::Impl::plan_broadphase(double dt) const {
     // Nothing is chosen yet: look at the boxes that the first step would make.
     dynamics::ProxySet next = proxies;
     for (std::uint32_t slot = 0; slot < next.by_slot.size(); ++slot) {
-        if (!dynamics::is_usable(arrays.states[next.by_slot[slot].body], dt)) dynamics::drop_proxy(next, slot);
+        if (!dynamics::is_usable(arrays.states[next.bodies[slot]], dt)) dynamics::drop_proxy(next, slot);
     }
     SerialExecutor alone;
     dynamics::update_swept_bounds(next, arrays, {def.gravity, dt}, calm_rule(), alone);

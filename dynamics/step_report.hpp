@@ -74,10 +74,10 @@ struct ContinuousCounts {
     std::size_t impacts = 0;     ///< that happened
     std::size_t clamped = 0;     ///< searches that came to their cap: contact was assumed where they stopped
     std::size_t stopped = 0;     ///< bodies that came to more impacts than are followed: they stay where the last one was until the step is over
-    std::size_t carried = 0;     ///< of these, bodies that something kinematic came upon, or what it carried: they went along with it, as if fixed to it, until the step was over
-    std::size_t crushed = 0;     ///< of these, bodies that were carried against what does not give way or against another that carries, and bodies with locked axes, which are not carried: they stand there, and what comes upon them goes on through them
+    std::size_t carried = 0;     ///< of these, bodies that something kinematic came upon, or what it carried: they went along with it, as if fixed to it, or slid out of its way until the step was over
+    std::size_t crushed = 0;     ///< of these, bodies with no way left between something kinematic, or what it carries, and what does not give way or another that carries; locked axes leave fewer ways, or none: they stand there, and what comes upon them goes on through them
     std::size_t parted = 0;      ///< impacts of two that touched already: they were moved apart by some 1 % of the smaller one's thickness, and their angular momentum with them
-    std::size_t slowed = 0;      ///< bodies that an impact or a contact made spin faster than a step can follow (2,000 rad): they spin as fast as that
+    std::size_t slowed = 0;      ///< bodies that an impact, a contact or their own moments made spin faster than a step can follow (2,000 rad): they spin as fast as that
     std::size_t overlapping = 0; ///< pairs that were too deep in each other at the start to be watched: their contacts alone hold them
 };
 

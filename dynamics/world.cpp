@@ -139,7 +139,7 @@ BodyId World::create_body(const BodyDef& def) {
                   "velocities must be finite", {});
     const char* fault = fault_of(def);
     CAROM_REQUIRE(fault == nullptr, ErrorCode::InvalidArgument, fault, {});
-    const BodyId id = impl_->bodies.insert({def.type, def.name, {}, false});
+    const BodyId id = impl_->bodies.insert({def.type, false, def.name.empty() ? nullptr : std::make_unique<const std::string>(def.name), {}});
     dynamics::BodyArrays& arrays = impl_->arrays;
     if (arrays.states.size() <= id.slot) {
         arrays.states.resize(id.slot + 1);
@@ -151,6 +151,8 @@ BodyId World::create_body(const BodyDef& def) {
                                        moves ? def.linear_velocity : dvec3{0.0},
                                        moves ? def.angular_velocity : dvec3{0.0}};
     arrays.masses[id.slot] = BodyMass{};
+    arrays.set_principal(id.slot, {});
+    if (id.slot < impl_->last_valid.size()) impl_->last_valid[id.slot] = {};  // that of another
     arrays.masses[id.slot].locked = def.locked;
     if (!arrays.traits.empty()) arrays.traits.resize(arrays.states.size()), arrays.traits[id.slot] = {};
     if (asks_for_more(def)) {
@@ -258,9 +260,10 @@ void World::Impl::assign_mass(BodyId body, const MassProperties& properties) {
     mass.mass = properties.mass;
     mass.inverse_mass = 1.0 / properties.mass;
     static_cast<FreeRotation&>(mass) = classify(axes.moments);
-    mass.principal = {properties.center, axes.orientation};
+    const Pose principal{properties.center, axes.orientation};
+    arrays.set_principal(body.slot, principal);
     const dvec3 old_center = state.pose.position;
-    state.pose = origin * mass.principal;
+    state.pose = origin * principal;
     state.velocity += glm::cross(state.spin, state.pose.position - old_center);
     keep_locks(body.slot);
 }
@@ -269,12 +272,11 @@ void World::Impl::put_proxy(ShapeId id) {
     contacts_hold = false;
     const dynamics::ShapeRecord& s = *shapes.find(id);
     const std::uint32_t slot = s.body.slot;
-    dynamics::Proxy proxy;
+    dynamics::NewProxy proxy;
     proxy.id = id;
     proxy.owner = s.body;
-    proxy.body = slot;
     proxy.shape = s.shape;
-    proxy.local = inverse(arrays.masses[slot].principal) * s.def.local;
+    proxy.local = inverse(arrays.principal(slot)) * s.def.local;
     proxy.reach = reach_of(s.shape, proxy.local);
     // A mesh that others come to is a surface: the box round it says nothing of how far ahead contacts with it are wanted.
     const bool surface = type_of(s.shape) == ShapeType::TriangleMesh && arrays.roles[slot] != Role::Dynamic;

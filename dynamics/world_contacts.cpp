@@ -21,7 +21,7 @@ dynamics::CalmRule World::Impl::calm_rule() const {
             census.bouncing_shapes > 0 ? dynamics::kSlowestImpact : std::numeric_limits<double>::infinity()};
 }
 
-// Which of the candidates have to be looked at, where the contacts of the others are kept.
+// Leaves those of the candidates that have to be looked at, where the contacts of the others are kept; else all of them.
 bool World::Impl::choose_looked(double dt) {
     if (!contacts_held || calm_rule().share == 0.0 || dt / def.substeps != last_substep) return false;
     const std::size_t most = candidates.size() / kMostLooked;
@@ -38,17 +38,16 @@ bool World::Impl::choose_looked(double dt) {
                tracked(proxies.bodies[pair.a]) && tracked(proxies.bodies[pair.b]);
     };
     if (threads().thread_count() == 1) {
+        dynamics::ScratchList<std::uint32_t> looked(scratch);
         looked.resize(most);
         std::size_t count = 0;
-        for (const NumberedPair& pair : candidates) {
-            if (keeps(pair)) continue;
-            if (count == most) {
-                looked.release();
-                return false;
-            }
-            looked[count++] = pair;
+        for (std::uint32_t i = 0; i < candidates.size(); ++i) {
+            if (keeps(candidates[i])) continue;
+            if (count == most) return false;
+            looked[count++] = i;
         }
-        looked.shorten(count);
+        for (std::size_t k = 0; k < count; ++k) candidates[k] = candidates[looked[k]];
+        candidates.shorten(count);
         return true;
     }
     const std::size_t parts = (candidates.size() + kPairsOfAPart - 1) / kPairsOfAPart;
@@ -66,8 +65,8 @@ bool World::Impl::choose_looked(double dt) {
     std::size_t count = 0;
     for (std::size_t part = 0; part < parts; ++part) count += candidate_parts[part].pairs.size();
     if (count > most) return false;
-    looked.resize(count);
-    NumberedPair* next = looked.data();
+    candidates.shorten(count);
+    NumberedPair* next = candidates.data();
     for (std::size_t part = 0; part < parts; ++part) next = std::ranges::copy(candidate_parts[part].pairs, next).out;
     return true;
 }
@@ -75,15 +74,14 @@ bool World::Impl::choose_looked(double dt) {
 // Looks at those, and at no others.
 void World::Impl::patch_contacts(dynamics::Step& step) {
     solver.carry_gaps(contacts.manifolds, threads());
-    const auto may_end = [&](const dynamics::ContactPair& pair) { return (proxies.calm[pair.proxy_a] & proxies.calm[pair.proxy_b]) == 0; };
+    const auto may_end = [&](const dynamics::ContactPair& pair) { return (proxies.calm[pair.proxy_a()] & proxies.calm[pair.proxy_b()]) == 0; };
     dynamics::ContactPatch patch(contacts, may_end, contact_changes);
-    const auto take = [&](std::size_t i, std::span<const Manifold> found) { patch.take(dynamics::contact_pair(proxies, looked[i]), found); };
-    const std::span<const NumberedPair> pairs{looked.data(), looked.size()};
-    const CollideCounts counts = collide(PlacedShapes{proxies.shapes, proxies.poses}, pairs, threads(), collide_scratch, take);
+    const auto take = [&](std::size_t i, std::span<const Manifold> found) { patch.take(dynamics::contact_pair(proxies, candidates[i]), found); };
+    const CollideCounts counts = collide(PlacedShapes{proxies.shapes, proxies.poses, true}, candidates, threads(), collide_scratch, take);
     patch.finish(threads());
     step.report.undecided = counts.undecided;
-    step.report.reused = candidates.size() - looked.size();
-    looked.release();
+    step.report.reused = step.report.pairs - candidates.size();
+    candidates.release();
     names.now.clear();  // the narrowphase remembers other contacts
 }
 

@@ -6,8 +6,10 @@
 namespace carom {
 namespace {
 
-/// Of a name that does not lie in the string itself.
-std::size_t held_by_name(const std::string& name) noexcept { return name.capacity() > std::string{}.capacity() ? name.capacity() + 1 : 0; }
+std::size_t held_by_name(const std::unique_ptr<const std::string>& name) noexcept {
+    if (name == nullptr) return 0;
+    return sizeof(std::string) + (name->capacity() > std::string{}.capacity() ? name->capacity() + 1 : 0);  // short ones lie in the string itself
+}
 
 }  // namespace
 
@@ -16,16 +18,16 @@ WorldMemory World::memory() const noexcept {
     const Impl& w = *impl_;
     WorldMemory sum;
     sum.bodies = sizeof(Impl) + w.bodies.memory() +
-                 held_by(w.body_order, w.arrays.states, w.arrays.masses, w.arrays.roles, w.arrays.traits, w.last_valid);
+                 held_by(w.body_order, w.arrays.states, w.arrays.masses, w.arrays.roles, w.arrays.traits, w.arrays.principals, w.last_valid);
     for (const BodyId body : w.body_order) {
         const dynamics::BodyRecord& record = *w.bodies.find(body);
-        sum.bodies += held_by(record.shapes) + held_by_name(record.name);
+        sum.bodies += record.shapes.memory() + held_by_name(record.name);
     }
     sum.shapes = w.shapes.memory() + w.proxies.memory();
     sum.joints = w.joints.memory() + w.joint_solver.memory();
     sum.broadphase = w.broadphase.memory();
     sum.contacts = w.contacts.memory() + w.contact_changes.memory() + w.previous.memory() + w.passing.memory() +
-                   held_by(w.candidates, w.candidate_parts, w.names.now, w.names.before, w.last_manifolds, w.displaced);
+                   held_by(w.candidate_parts, w.names.now, w.names.before, w.last_manifolds, w.displaced);
     for (const dynamics::CandidatePart& part : w.candidate_parts) sum.contacts += held_by(part.pairs);
     sum.solver = w.solver.memory() + w.direct.memory();
     sum.scratch = w.scratch.memory();

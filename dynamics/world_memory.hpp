@@ -15,7 +15,7 @@ struct WorldMemory {
     std::size_t shapes = 0;      ///< as they were given, and as a step sees them
     std::size_t joints = 0;      ///< and their solver
     std::size_t broadphase = 0;  ///< boxes and pairs
-    std::size_t contacts = 0;    ///< candidates, manifolds and their impulses; of what sleeps too
+    std::size_t contacts = 0;    ///< manifolds and their impulses; of what sleeps too
     std::size_t solver = 0;      ///< bundles of contacts, and islands that are solved directly
     std::size_t scratch = 0;     ///< shared by the stages of a step
     std::size_t other = 0;       ///< impacts, continuous collision, sleep, and what reports ask for

@@ -65,11 +65,11 @@ ContactView World::contact(std::size_t index) const {
     const Manifold& manifold = set.manifolds[number];
     const dynamics::ContactPair& pair = set.pairs[manifold.pair];
     ContactView view;
-    view.shape_a = pair.shape_a;
-    view.shape_b = pair.shape_b;
+    view.shape_a = pair.shape_a();
+    view.shape_b = pair.shape_b();
     view.body_a = pair.body_a;
     view.body_b = pair.body_b;
-    view.origin = impl_->proxies.poses[pair.proxy_a].position;
+    view.origin = impl_->proxies.poses[pair.proxy_a()].position;
     view.manifold = &manifold;
     view.friction_impulse.fill(vec3{0.0f});
     for (std::size_t k = 0; k < manifold.count; ++k) {

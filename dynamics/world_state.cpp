@@ -26,13 +26,13 @@ const std::string kNoName;
     CAROM_REQUIRE(record != nullptr, ErrorCode::DeadId, "no such shape", __VA_ARGS__)
 
 Pose World::Impl::body_pose(BodyId body) const {
-    const Pose& principal = arrays.masses[body.slot].principal;
+    const Pose principal = arrays.principal(body.slot);
     const Pose& pose = arrays.states[body.slot].pose;
     return principal == Pose{} ? pose : pose * inverse(principal);
 }
 
 void World::Impl::place_body(BodyId body, const Pose& pose) {
-    const Pose& principal = arrays.masses[body.slot].principal;
+    const Pose principal = arrays.principal(body.slot);
     wake(body);
     contacts_hold = false;
     arrays.states[body.slot].pose = principal == Pose{} ? pose : pose * principal;
@@ -47,7 +47,7 @@ BodyType World::type(BodyId body) const {
 }
 const std::string& World::name(BodyId body) const {
     CAROM_FIND_BODY(body, kNoName);
-    return record->name;
+    return record->name != nullptr ? *record->name : kNoName;
 }
 Pose World::pose(BodyId body) const {
     CAROM_FIND_BODY(body, {});
@@ -69,10 +69,11 @@ MassProperties World::mass_properties(BodyId body) const {
     CAROM_FIND_BODY(body, {});
     const dynamics::BodyMass& mass = impl_->arrays.masses[body.slot];
     if (mass.mass == 0.0) return {};
-    const dmat3 r = glm::mat3_cast(mass.principal.orientation);
+    const Pose principal = impl_->arrays.principal(body.slot);
+    const dmat3 r = glm::mat3_cast(principal.orientation);
     dmat3 scaled = r;
     for (int i = 0; i < 3; ++i) scaled[i] *= mass.moments[i];
-    return {mass.mass, mass.principal.position, scaled * glm::transpose(r)};
+    return {mass.mass, principal.position, scaled * glm::transpose(r)};
 }
 bool World::is_quarantined(BodyId body) const {
     CAROM_FIND_BODY(body, false);

@@ -88,7 +88,7 @@ void World::Impl::note_substep(double dt) noexcept {
 
 // Contacts between bodies whose joint leaves them out.
 void World::Impl::drop_parted() {
-    std::erase_if(candidates, [&](const NumberedPair& pair) { return joints.parts(proxies.bodies[pair.a], proxies.bodies[pair.b]); });
+    candidates.erase_if([&](const NumberedPair& pair) { return joints.parts(proxies.bodies[pair.a], proxies.bodies[pair.b]); });
 }
 
 void World::Impl::forget_pushes() {
@@ -115,7 +115,7 @@ void World::Impl::quarantine_unusable(double dt, StepReport& report) {
             if (arrays.roles[slot] == Role::Absent || arrays.roles[slot] == Role::Asleep) continue;
             const dynamics::BodyState& state = arrays.states[slot];
             if (dynamics::is_usable(state, dt) && can_be_pushed(slot, dt)) {
-                last_valid[slot] = {body_order[i], state.pose, state.velocity};
+                last_valid[slot] = {state.pose, state.velocity};
             } else {
                 all_usable = false;
             }
@@ -132,8 +132,7 @@ void World::Impl::quarantine_unusable(double dt, StepReport& report) {
         if (arrays.roles[slot] == Role::Absent || arrays.roles[slot] == Role::Asleep) continue;
         dynamics::BodyState& state = arrays.states[slot];
         if (dynamics::is_usable(state, dt) && can_be_pushed(slot, dt)) continue;
-        // A body that was never valid has no pose to go back to but the origin.
-        state = {last_valid[slot].id == id ? last_valid[slot].pose : Pose{}, dvec3{0.0}, dvec3{0.0}};
+        state = {last_valid[slot].pose, dvec3{0.0}, dvec3{0.0}};
         take_out(id);
         arrays.roles[slot] = Role::Absent;
         bodies.find(id)->quarantined = true;
@@ -143,10 +142,16 @@ void World::Impl::quarantine_unusable(double dt, StepReport& report) {
 
 // What lists of a step hold beyond what it needed.
 void World::Impl::trim_lists() {
+    constexpr std::size_t kManyPairs = 1024;
     contacts.trim();
+    solver.trim();
+    direct.trim();
     scratch.trim();
+    if (whole_looks.take_seldom()) {
+        dynamics::drop(contacts.firsts);
+        if (patched && broadphase.result().pairs.size() > kManyPairs) collide_scratch = {};  // it has room for a thousand at a time, and remembers none
+    }
     dynamics::trim_kept(last_manifolds);
-    dynamics::trim_kept(candidates);
     dynamics::trim_kept(names.now);
     dynamics::trim_scratch(names.before);
     contact_changes.trim();
@@ -167,7 +172,7 @@ void World::Impl::find_contacts(dynamics::Step& step, const dynamics::Motion& mo
         if (update.number == last) {  // refused, which was reported: the next step asks again
             dynamics::note_refused(proxies);
             pairs_complete = false;
-            candidates.clear();
+            candidates.release();
             return names.now.clear();
         }
         dynamics::note_listed(proxies);
@@ -178,15 +183,16 @@ void World::Impl::find_contacts(dynamics::Step& step, const dynamics::Motion& mo
         dynamics::list_candidates(proxies, arrays, update.pairs, motion.dt, threads(), candidate_parts, candidates);
         if (joints.parts_any()) drop_parted();
         if (sleepers.is_on()) dynamics::Sleepers::drop_idle(proxies, arrays, candidates);
+        step.report.pairs = candidates.size();
         keeps = choose_looked(motion.dt);
         reuses = !keeps && def.contact_reuse > 0.0 && dynamics::name_candidates(proxies, def.contact_reuse, candidates, names, threads());
-        step.report.pairs = candidates.size();
     });
     patched = keeps;
     if (keeps) return step.run(Stage::Collide, [&] { patch_contacts(step); });
+    whole_looks.note();
     if (!std::exchange(taken_over, true)) take_over_contacts(step);
     step.run(Stage::Collide, [&] {
-        const PlacedShapes placed{proxies.shapes, proxies.poses};
+        const PlacedShapes placed{proxies.shapes, proxies.poses, true};
         std::vector<Manifold>& found = contacts.manifolds;
         const CollideCounts counts =
             reuses ? collide(placed, candidates, last_manifolds, threads(), collide_scratch, found)
@@ -195,6 +201,7 @@ void World::Impl::find_contacts(dynamics::Step& step, const dynamics::Motion& mo
         step.report.reused = counts.reused;
         const auto pair_of = [&](std::uint32_t i) { return dynamics::contact_pair(proxies, candidates[i]); };
         dynamics::link_manifolds(contacts, pair_of, previous, impulse_scale(motion.dt), threads());
+        candidates.release();
     });
 }
 
@@ -269,8 +276,7 @@ void World::Impl::give_up_step() noexcept {
     contacts.clear();
     previous.clear();
     last_manifolds.clear();
-    looked.release();
-    candidates.clear();
+    candidates.release();
     names.now.clear();
     broadphase.clear();
     dynamics::note_cleared(proxies);

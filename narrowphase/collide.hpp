@@ -25,6 +25,7 @@ struct ShapePair {
     Pose pose_a;
     Pose pose_b;
     float margin = 0.0f;  ///< points with a separation up to this are reported [m], >= 0
+    bool steady = false;  ///< as in PlacedShapes
 };
 
 /// Shapes by number, each with its pose: (n,) and (n,). A null shape is no shape, and no pair may name it. The pose of a shape
@@ -32,6 +33,11 @@ struct ShapePair {
 struct PlacedShapes {
     std::span<const Shape* const> shapes;
     std::span<const Pose> poses;
+    /// Of more than four corners of a patch four are reported, and the deepest is one of them. Where `steady`, it may be left out if the four
+    /// that span the patch are two thirds as deep and it is deeper by no more than 1e-3 of the larger shape's half extent. What rests on
+    /// more than four corners then rests on the same four: otherwise the one that bears nothing sinks until it is the deepest, takes the
+    /// place of one that bears, and that one sinks in turn.
+    bool steady = false;
 };
 
 inline constexpr std::uint32_t kNewPair = std::numeric_limits<std::uint32_t>::max();

@@ -251,18 +251,12 @@ std::string disagreement_of(const ShapePair& pair, const Nearest& nearest, Colli
     double size = std::max(nearest.a.size(), nearest.b.size());
     if (type_a == ShapeType::Plane || type_b == ShapeType::Plane) size = type_a == ShapeType::Plane ? nearest.b.size() : nearest.a.size();
     const double tolerance = (smooth ? kSmoothAccuracy : kAccuracy) * size;
-    // Two boxes are told apart by their axes alone.
-    const bool boxes = type_a == ShapeType::Box && type_b == ShapeType::Box;
-    const double gap = boxes ? nearest.finding.sat_gap.value_or(nearest.finding.axis.gap) : nearest.finding.axis.gap;
-    const double margin = static_cast<double>(pair.margin);
+    const double gap = nearest.finding.axis.gap, margin = static_cast<double>(pair.margin);
     if (deepest_one != nullptr && gap > margin + tolerance) return "contacts are reported although the two are farther apart than the margin";
     if (deepest_one == nullptr && gap < margin - tolerance) return "no contact is reported although the two are nearer than the margin";
     const bool of_mesh = !nearest.of_solid && (type_a == ShapeType::TriangleMesh || type_b == ShapeType::TriangleMesh);
     if (deepest_one == nullptr || of_mesh || status != CollideStatus::Ok) return "";
-    // Of two boxes that are apart the nearest corner may lie beside the other's face: what the faces share is farther apart then.
-    const double above = static_cast<double>(separation) - gap;
-    const bool same = std::abs(above) <= tolerance || (boxes && gap > 0.0 && above > 0.0);
-    return same ? "" : "the deepest contact is not as deep as the two overlap along the best axis";
+    return std::abs(static_cast<double>(separation) - gap) <= tolerance ? "" : "the deepest contact is not as deep as the two overlap along the best axis";
 }
 
 /// Whether a mesh is one-sided and has its back towards the middle of another one.

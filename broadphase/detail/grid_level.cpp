@@ -177,6 +177,10 @@ void GridLevel::build(const ProxyTable& table, std::span<const std::uint32_t> sl
     }
     give_room();
     fill_cells(table, slots, place, executor);
+    constexpr std::size_t kFew = 1024;
+    if (slack_ == Slack::None || size_ <= kFew) return;  // the next update builds it anew, or it is not worth it
+    for (std::vector<std::uint32_t>* scratch : {&cell_of_, &code_of_, &rank_, &order_}) std::vector<std::uint32_t>().swap(*scratch);
+    std::vector<CornerSpread>().swap(spreads_);
 }
 
 void GridLevel::fill_cells(const ProxyTable& table, std::span<const std::uint32_t> slots, std::vector<std::uint32_t>& place,

@@ -102,6 +102,7 @@ void PairSet::look_through(const SlotBits& changed, const Keep& keep) {
     was_looked_through_ = true;
     grow(touched_, count_ + 16);
     const std::size_t touched = find_touched(pairs(), changed, touched_.data());
+    most_changes_ = std::max(most_changes_, touched);
     grow(ended_, touched);
     for (std::size_t i = 0; i < touched; ++i) {
         if (i + kAhead < touched) {
@@ -126,6 +127,7 @@ void PairSet::look_up_ended(const PairPieces& ended, const SlotBits& changed, co
         }
     });
     sort_candidates(ended);
+    most_changes_ = std::max(most_changes_, candidates_.size());
     grow(ended_, candidates_.size());
     for_places([&](std::uint64_t key, std::size_t place) {
         if (place == count_ || key_of(pairs_[place]) != key) return;  // was not wanted
@@ -137,6 +139,7 @@ void PairSet::look_up_ended(const PairPieces& ended, const SlotBits& changed, co
 void PairSet::look_up_begun(const PairPieces& found) {
     candidates_.clear();
     sort_candidates(found);
+    most_changes_ = std::max(most_changes_, candidates_.size());
     grow(begun_store_, candidates_.size());
     begun_places_.clear();
     for_places([&](std::uint64_t key, std::size_t place) {

@@ -149,6 +149,11 @@ bool PairSet::trim() {
     const bool is_long = std::max(pairs_.size(), next_.size()) > 2 * count_ + kFew;
     const bool has_second = !replaced && !row_values_.empty();
     if (!looked_through) drop(touched_);
+    const std::size_t most = std::exchange(most_changes_, 0);
+    if (!lists_changes_ && std::max(ended_.size(), begun_store_.size()) > 2 * most + kFew) {  // nobody has a view of these
+        keep();
+        drop(begun_store_, ended_, candidates_, payload_, scratch_.keys, scratch_.payload);
+    }
     if (!is_long && !has_second) return false;
     keep();
     if (is_long) {

@@ -93,6 +93,7 @@ private:
     std::size_t count_ = 0;
     std::size_t previous_count_ = 0;  // of next_, while the two lists are compared
     bool lists_changes_ = true;
+    std::size_t most_changes_ = 0;  // that the lists of a patch had to hold since trim()
     bool was_replaced_ = false, was_looked_through_ = false;  // since trim()
     std::span<const ProxyPair> begun_;
     std::vector<ProxyPair> begun_store_, ended_;

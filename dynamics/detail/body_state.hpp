@@ -19,7 +19,6 @@ struct BodyMass : FreeRotation {
 
     double mass = 0.0;               ///< [kg]; zero: static or kinematic
     double inverse_mass = 0.0;
-    Pose principal{};                ///< of the principal frame in the body's own frame
     bool given = false;              ///< set by the user: adding shapes does not change it
     unsigned char locked = 0;        ///< bits of LockedAxes that keep it from moving and turning
 };

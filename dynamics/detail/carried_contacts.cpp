@@ -9,7 +9,7 @@ namespace {
 constexpr std::size_t kPart = 256;  // pairs that a thread works on together
 
 CarriedPair carried(const ContactPair& pair, std::size_t first_point) {
-    return {pair.key, pair.shape_a.generation, pair.shape_b.generation, static_cast<std::uint32_t>(first_point), pair.point_count};
+    return {pair.key, pair.generation_a, pair.generation_b, static_cast<std::uint32_t>(first_point), pair.point_count};
 }
 
 /// @return behind the last one written.

@@ -28,7 +28,7 @@ struct CarriedPair {
     std::uint32_t first_point = 0, point_count = 0;
 
     [[nodiscard]] bool is(const ContactPair& pair) const noexcept {
-        return key == pair.key && generation_a == pair.shape_a.generation && generation_b == pair.shape_b.generation;
+        return key == pair.key && generation_a == pair.generation_a && generation_b == pair.generation_b;
     }
 };
 

@@ -50,6 +50,7 @@ void Coloring::color(std::span<const ContactRows> rows, std::int32_t movable) {
     for (std::uint32_t c = 0; c < kMaxColors && counts[c + 1] != 0; ++c) starts_.push_back(starts_.back() + counts[c + 1]);
     for (std::size_t c = 1; c < counts.size(); ++c) counts[c] += counts[c - 1];
     resize_scratch(order_, counts[kLeftOut]);
+    overflow_count_ = counts[kLeftOut] - starts_.back();
     for (std::uint32_t i = 0; i < rows.size(); ++i) {
         if (colors_[i] != kLeftOut) order_[counts[colors_[i]]++] = i;
     }

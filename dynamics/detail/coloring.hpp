@@ -30,9 +30,9 @@ public:
     [[nodiscard]] std::span<const std::uint32_t> order() const noexcept { return order_; }
     /// First index of each colour in order(), and the end: (colours + 1,).
     [[nodiscard]] std::span<const std::uint32_t> starts() const noexcept { return starts_; }
-    [[nodiscard]] std::uint32_t overflow_count() const noexcept {
-        return static_cast<std::uint32_t>(order_.size()) - starts_.back();
-    }
+    [[nodiscard]] std::uint32_t overflow_count() const noexcept { return overflow_count_; }
+    /// Gives the memory of the order back: there is none until the next color().
+    void trim() noexcept { drop(order_, colors_); }
 
     /// For contacts that come and go one by one: the colours that no contact of the two rows has, as bits.
     [[nodiscard]] std::uint32_t open_to(ContactRows rows) const noexcept;
@@ -45,6 +45,7 @@ private:
     std::vector<std::uint8_t> colors_;    // per contact
     std::vector<std::uint32_t> order_;
     std::vector<std::uint32_t> starts_{0};
+    std::uint32_t overflow_count_ = 0;
 };
 
 }  // namespace carom::dynamics

@@ -6,8 +6,10 @@
 #pragma once
 
 #include <carom/core/bundle.hpp>
+#include <carom/core/types.hpp>
 #include <carom/dynamics/detail/scratch_pool.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cstddef>
 #include <cstdint>
@@ -63,14 +65,19 @@ struct alignas(64) FrameMass {
     Wide<float> inverse_mass{};
 };
 
+/// What passes make of a lane, a bit each.
+struct LaneTraits {
+    static constexpr std::int32_t kBallA = 1, kBallB = 2;  ///< the body is a ball: its contact point does not turn with it
+    static constexpr std::int32_t kFixed = 4;              ///< one of the two cannot give way: the contact is stiffer
+};
+
 struct alignas(64) ContactBundle {
     Wide<std::int32_t> row_a{}, row_b{};  ///< rows of SolverBody; unused lanes point at the row that never moves
     Wide<float> nx{}, ny{}, nz{};         ///< normal from A to B
     FrameMass a, b;
     Wide<float> friction{};
     Wide<float> curvature{};              ///< of two balls: 1 / (2 × distance of their centres) [1/m]; 0 elsewhere
-    Wide<float> turns_a{}, turns_b{};     ///< 0 where the body is a ball: its contact point does not turn with it; 1 elsewhere
-    Wide<float> bias_rate{}, mass_scale{}, impulse_scale{};  ///< soft contact (see soft_contact)
+    Wide<std::int32_t> traits{};          ///< bits of LaneTraits
     Wide<float> push_limit{};             ///< overlap is removed at this speed at most [m/s]
     Wide<std::uint32_t> manifold{};       ///< index of the manifold; kUnusedLane where there is none
     PointLanes* points = nullptr;         ///< as many as some lane has: most manifolds have one or two of four
@@ -83,16 +90,17 @@ inline constexpr std::uint32_t kUnusedLane = ~std::uint32_t{0};
 /// The bodies in contact of one step. Rows [0, movable) are dynamic, then come kinematic ones, the last never moves.
 struct SolverBodies {
     explicit SolverBodies(ScratchPool& pool) noexcept : memory(pool) {}
-    /// Anything is in them. @return where `more` bytes lie behind them, for what lives as long.
-    [[nodiscard]] std::byte* resize(std::size_t count, std::size_t more) {
+    /// Anything is in them. The first `before` bytes of their memory are for what is done with before they are filled.
+    void resize(std::size_t count, std::size_t before = 0) {
         release();  // which spans are of, should there be no memory
-        memory.resize(bytes_of<SolverBody>(count) + bytes_of<SolverBase>(count) + bytes_of<SolverMass>(count) + more);
+        const std::size_t turning = static_cast<std::size_t>(movable);
+        memory.resize(std::max(before, bytes_of<SolverBody>(count) + bytes_of<SolverBase>(count) + bytes_of<SolverMass>(count) + bytes_of<dquat>(turning)));
         std::byte* next = memory.data();
         bodies = cut<SolverBody>(next, count), bases = cut<SolverBase>(next, count), masses = cut<SolverMass>(next, count);
-        return next;
+        turns = cut<dquat>(next, turning);
     }
     void release() noexcept {
-        bodies = {}, bases = {}, masses = {};
+        bodies = {}, bases = {}, masses = {}, turns = {};
         memory.release();
     }
 
@@ -100,6 +108,7 @@ struct SolverBodies {
     std::span<SolverBody> bodies;
     std::span<SolverBase> bases;
     std::span<SolverMass> masses;
+    std::span<dquat> turns;  ///< (movable,) of what turns fast (turning_rows.hpp)
     std::int32_t movable = 0;
 };
 

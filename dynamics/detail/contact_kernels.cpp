@@ -11,6 +11,7 @@ HWY_BEFORE_NAMESPACE();
 namespace carom::HWY_NAMESPACE {
 namespace {
 
+using dynamics::LaneTraits;
 using dynamics::SolveSettings;
 
 /// How the two bodies of each lane move against each other, in the frame of the manifold: what a pass carries from point to point.
@@ -102,13 +103,13 @@ struct Begun {
 };
 
 template <bool kGapsKnown>
-CAROM_PASS_INLINE Begun begin(const ContactBundle& c, const SolverBodies& all, int lane) {
+CAROM_PASS_INLINE Begun begin(const ContactBundle& c, const SolverBodies& all, const dynamics::SoftContacts& soft, int lane) {
     const std::int32_t* rows_a = c.row_a.data() + lane;
     const std::int32_t* rows_b = c.row_b.data() + lane;
     const Motion a = read_motion(all, rows_a), b = read_motion(all, rows_b);
     const Basis basis = make_basis(c, lane);
-    const Displacement da = kGapsKnown ? no_displacement() : read_displacement(all, rows_a, get(c.turns_a, lane), basis);
-    Displacement db = kGapsKnown ? no_displacement() : read_displacement(all, rows_b, get(c.turns_b, lane), basis);
+    const Displacement da = kGapsKnown ? no_displacement() : read_displacement(all, rows_a, by_trait(c, lane, LaneTraits::kBallA, 0.0f, 1.0f), basis);
+    Displacement db = kGapsKnown ? no_displacement() : read_displacement(all, rows_b, by_trait(c, lane, LaneTraits::kBallB, 0.0f, 1.0f), basis);
     if constexpr (!kGapsKnown) {
         const Floats curvature = get(c.curvature, lane);
         if (any(curvature > broadcast(0.0f))) db.shift = db.shift + parting(all, rows_a, rows_b, curvature, basis);
@@ -118,7 +119,8 @@ CAROM_PASS_INLINE Begun begin(const ContactBundle& c, const SolverBodies& all, i
     const Mask used = first_mass > broadcast(0.0f);
     const Floats to_speed = select(used, broadcast(1.0f) / select(used, first_mass, broadcast(1.0f)), broadcast(0.0f));
     return {basis, da, db, read_masses(c, lane), motion, motion, get(c.friction, lane), to_speed,
-            {get(c.bias_rate, lane), get(c.mass_scale, lane), get(c.impulse_scale, lane), get(c.push_limit, lane)}};
+            {bias_rates(c, lane, soft), by_trait(c, lane, LaneTraits::kFixed, soft.fixed.mass_scale, soft.moving.mass_scale),
+             by_trait(c, lane, LaneTraits::kFixed, soft.fixed.impulse_scale, soft.moving.impulse_scale), get(c.push_limit, lane)}};
 }
 
 /// Coulomb friction in the tangent plane: one scalar step in both directions, then back radially into the circle.
@@ -221,7 +223,7 @@ CAROM_PASS_INLINE void finish(SolverBodies& all, const ContactBundle& c, int lan
 /// @tparam kGapsKnown  see SolveSettings.
 template <bool kBias, bool kGapsKnown>
 void solve_bundle(ContactBundle& c, SolverBodies& all, const SolveSettings& settings, int lane) {
-    Begun s = begin<kGapsKnown>(c, all, lane);
+    Begun s = begin<kGapsKnown>(c, all, settings.soft, lane);
     for (int k = 0; k < c.point_count; ++k) solve_friction(c.points[static_cast<std::size_t>(k)], lane, s);
     for (int k = 0; k < c.point_count; ++k) solve_contact<kBias, kGapsKnown>(c.points[static_cast<std::size_t>(k)], lane, settings, s);
     finish(all, c, lane, s);
@@ -231,8 +233,8 @@ void solve_bundle(ContactBundle& c, SolverBodies& all, const SolveSettings& sett
 /// share no body, fill each other's waits.
 template <bool kBias, bool kGapsKnown>
 void solve_two(ContactBundle& c, ContactBundle& d, SolverBodies& all, const SolveSettings& settings, int lane) {
-    Begun s = begin<kGapsKnown>(c, all, lane);
-    Begun t = begin<kGapsKnown>(d, all, lane);
+    Begun s = begin<kGapsKnown>(c, all, settings.soft, lane);
+    Begun t = begin<kGapsKnown>(d, all, settings.soft, lane);
     for (int k = 0; k < c.point_count; ++k) {
         solve_friction(c.points[static_cast<std::size_t>(k)], lane, s);
         if (k < d.point_count) solve_friction(d.points[static_cast<std::size_t>(k)], lane, t);

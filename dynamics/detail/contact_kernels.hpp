@@ -17,7 +17,13 @@ struct SoftContact {
 /// h w (2 z + h w) / (1 + h w (2 z + h w)), impulse_scale = 1 - mass_scale.
 [[nodiscard]] SoftContact soft_contact(double frequency, double damping, double h) noexcept;
 
+/// Between two bodies that move, and with one that does not.
+struct SoftContacts {
+    SoftContact moving, fixed;
+};
+
 struct SolveSettings {
+    SoftContacts soft;
     float inverse_h = 0.0f;  ///< 1 / substep [1/s]
     bool bias = true;        ///< false: the relax pass, rigid and without push
     bool gaps_known = false; ///< no body has moved since the last pass, which leaves the gap of each point behind

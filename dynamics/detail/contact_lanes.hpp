@@ -10,6 +10,7 @@
 #include <carom/core/lanes.hpp>
 #include <carom/dynamics/detail/body_rows.hpp>
 #include <carom/dynamics/detail/contact_bundle.hpp>
+#include <carom/dynamics/detail/contact_kernels.hpp>
 
 // The passes are one piece of code each, so that the lanes stay in registers. With the sanitizers' checks in it, such a piece would keep
 // GCC 12 busy for many minutes: there they stay apart.
@@ -38,6 +39,15 @@ Floats get(const Array& lanes, int lane) {
 template <class Array>
 void put(Array& lanes, int lane, Floats value) {
     store(value, lanes.data() + lane);
+}
+
+/// Of a lane with the bit one value, of the others another.
+CAROM_PASS_INLINE Floats by_trait(const ContactBundle& c, int lane, std::int32_t bit, float with, float without) {
+    const Ints traits = load(c.traits.data() + lane);
+    return select((traits & Ints{bit}) != Ints{0}, broadcast(with), broadcast(without));
+}
+CAROM_PASS_INLINE Floats bias_rates(const ContactBundle& c, int lane, const dynamics::SoftContacts& soft) {
+    return by_trait(c, lane, dynamics::LaneTraits::kFixed, soft.fixed.bias_rate, soft.moving.bias_rate);
 }
 
 struct Basis {

@@ -52,7 +52,7 @@ void ContactSolver::list_contacts(Stage stage, const Task& task) {
 void ContactSolver::list_warm_start() { list_contacts(Stage::WarmStart, {.work = Work::WarmStart}); }
 
 void ContactSolver::list_pass(bool bias, bool backward) {
-    const SolveSettings settings{.inverse_h = static_cast<float>(1.0 / settings_.substep()), .bias = bias, .gaps_known = gaps_known_};
+    const SolveSettings settings{.soft = soft_, .inverse_h = static_cast<float>(1.0 / settings_.substep()), .bias = bias, .gaps_known = gaps_known_};
     list_contacts(bias ? Stage::Solve : Stage::Relax, {.work = Work::Solve, .settings = settings, .substep = moves_listed_, .backward = backward});
     gaps_known_ = true;
 }

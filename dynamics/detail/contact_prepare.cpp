@@ -17,6 +17,7 @@ HWY_BEFORE_NAMESPACE();
 namespace carom::HWY_NAMESPACE {
 namespace {
 
+using dynamics::LaneTraits;
 using dynamics::ManifoldRow;
 using dynamics::PrepareInput;
 
@@ -116,7 +117,7 @@ CAROM_PASS_INLINE Ints manifold_numbers(const ContactBundle& c, int lane) {
     return load(reinterpret_cast<const std::int32_t*>(c.manifold.data()) + lane);  // kUnusedLane is -1
 }
 
-CAROM_PASS_INLINE WideManifold read_manifold(ContactBundle& c, int lane, const ManifoldRow* all, const PrepareInput& in) {
+CAROM_PASS_INLINE WideManifold read_manifold(ContactBundle& c, int lane, const ManifoldRow* all) {
     const Ints number = manifold_numbers(c, lane);
     const Mask unused = number < Ints{0};
     alignas(64) std::int32_t row[kLanes];
@@ -133,19 +134,12 @@ CAROM_PASS_INLINE WideManifold read_manifold(ContactBundle& c, int lane, const M
     put(c.push_limit, lane, push_limit);
     put(c.friction, lane, friction);
     const Ints balls = as_ints(round);
-    const Floats none = broadcast(0.0f), one = broadcast(1.0f);
     const Mask both = balls > Ints{3};
-    put(c.turns_a, lane, select(both | (balls == Ints{1}), none, one));
-    put(c.turns_b, lane, select(both | (balls == Ints{2}), none, one));
-    put(c.curvature, lane, select(both, round, none));
-    const Mask meets_fixed = as_ints(fixed) != Ints{0};
-    const Floats zero = broadcast(0.0f);
-    const auto soft = [&](float among_moving, float with_fixed, Floats in_unused) {
-        return select(unused, in_unused, select(meets_fixed, broadcast(with_fixed), broadcast(among_moving)));
-    };
-    put(c.bias_rate, lane, soft(in.soft.bias_rate, in.soft_fixed.bias_rate, zero));
-    put(c.mass_scale, lane, soft(in.soft.mass_scale, in.soft_fixed.mass_scale, broadcast(1.0f)));
-    put(c.impulse_scale, lane, soft(in.soft.impulse_scale, in.soft_fixed.impulse_scale, zero));
+    put(c.curvature, lane, select(both, round, broadcast(0.0f)));
+    const auto bit = [](Mask which, std::int32_t trait) { return select(which, Ints{trait}, Ints{0}); };
+    store(bit(both | (balls == Ints{1}), LaneTraits::kBallA) | bit(both | (balls == Ints{2}), LaneTraits::kBallB) |
+              bit(as_ints(fixed) != Ints{0}, LaneTraits::kFixed),
+          c.traits.data() + lane);
     return {{ox, oy, oz}, {px, py, pz}, select(unused, Ints{0}, number), as_ints(count)};
 }
 
@@ -167,7 +161,7 @@ void prepare_bundle(ContactBundle& c, const PrepareInput& in) {
     c.point_count = 0;
     c.deep = 0;
     for (int lane = 0; lane < kBundleWidth; lane += kLanes) {
-        const WideManifold m = read_manifold(c, lane, rows.data(), in);
+        const WideManifold m = read_manifold(c, lane, rows.data());
         const auto most = static_cast<std::int32_t>(greatest_lane(to_floats(m.count)));
         // Points that no lane of this part has, but one of another part, are no-ops here.
         for (std::int32_t k = c.point_count; kLanes < kBundleWidth && k < most; ++k) c.points[static_cast<std::size_t>(k)] = PointLanes{};
@@ -176,7 +170,7 @@ void prepare_bundle(ContactBundle& c, const PrepareInput& in) {
         const Symmetric inertia_a = turn_mass(in.bodies, c.row_a.data() + lane, basis, c.a, lane);
         const Symmetric inertia_b = turn_mass(in.bodies, c.row_b.data() + lane, basis, c.b, lane);
         const Masses masses{inertia_a, inertia_b, get(c.a.inverse_mass, lane) + get(c.b.inverse_mass, lane)};
-        const Floats bias_rate = get(c.bias_rate, lane), push_limit = get(c.push_limit, lane);
+        const Floats bias_rate = bias_rates(c, lane, in.soft), push_limit = get(c.push_limit, lane);
         alignas(64) std::int32_t index[kLanes];
         store(m.index, index);
         for (std::int32_t k = 0; k < most; ++k) {
@@ -257,7 +251,7 @@ void StoreImpulses(std::span<const ContactBundle> bundles, std::span<dynamics::M
     }
 }
 
-void CarryGaps(std::span<ContactBundle> bundles, std::span<Manifold> manifolds) {
+void CarryGaps(std::span<ContactBundle> bundles, std::span<Manifold> manifolds, const dynamics::SoftContacts& soft) {
     for (ContactBundle& c : bundles) {
         c.deep = 0;
         for (int k = 0; k < c.point_count; ++k) {
@@ -266,7 +260,7 @@ void CarryGaps(std::span<ContactBundle> bundles, std::span<Manifold> manifolds) 
                 const Mask used = get(p.normal_mass, lane) > broadcast(0.0f);
                 const Floats separation = select(used, get(p.gap, lane), get(p.separation, lane));
                 put(p.separation, lane, separation);
-                c.deep += static_cast<std::int32_t>(hwy::PopCount(bits(used & (get(c.bias_rate, lane) * separation < -get(c.push_limit, lane)))));
+                c.deep += static_cast<std::int32_t>(hwy::PopCount(bits(used & (bias_rates(c, lane, soft) * separation < -get(c.push_limit, lane)))));
             }
             for (std::size_t lane = 0; lane < kBundleWidth; ++lane) {
                 if (p.normal_mass[lane] > 0.0f) manifolds[c.manifold[lane]].points[static_cast<std::size_t>(k)].separation = p.separation[lane];
@@ -299,7 +293,9 @@ void store_impulses(std::span<const ContactBundle> bundles, std::span<ManifoldIm
     HWY_DYNAMIC_DISPATCH(StoreImpulses)(bundles, impulses);
 }
 
-void carry_gaps(std::span<ContactBundle> bundles, std::span<Manifold> manifolds) { HWY_DYNAMIC_DISPATCH(CarryGaps)(bundles, manifolds); }
+void carry_gaps(std::span<ContactBundle> bundles, std::span<Manifold> manifolds, const SoftContacts& soft) {
+    HWY_DYNAMIC_DISPATCH(CarryGaps)(bundles, manifolds, soft);
+}
 
 }  // namespace dynamics
 }  // namespace carom

@@ -43,7 +43,7 @@ struct PrepareInput {
     std::span<const Manifold> manifolds;
     std::span<const ManifoldImpulses> impulses;
     const SolverBodies& bodies;
-    SoftContact soft, soft_fixed;  ///< between two bodies that move; and with one that does not
+    SoftContacts soft;
 };
 
 /// Fills bundles, of which only `manifold` is set and each lane has its row (an unused one no points and rows that never move), with what the passes read: lever
@@ -51,7 +51,8 @@ struct PrepareInput {
 void prepare_bundles(std::span<ContactBundle> bundles, const PrepareInput& input);
 
 /// Takes the gap that the last pass found for each point's separation, here and in its manifold: the next step begins where this one ended.
-void carry_gaps(std::span<ContactBundle> bundles, std::span<Manifold> manifolds);
+/// @param soft  as they were prepared
+void carry_gaps(std::span<ContactBundle> bundles, std::span<Manifold> manifolds, const SoftContacts& soft);
 
 /// Effective masses anew, of bundles with a row that is 1 in `changed`: the inverse inertias of these have changed.
 void renew_masses(std::span<ContactBundle> bundles, const SolverBodies& bodies, std::span<const unsigned char> changed);

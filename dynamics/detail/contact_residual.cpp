@@ -12,8 +12,7 @@ namespace carom::dynamics {
 namespace {
 
 double friction_of(const ProxySet& proxies, const ContactPair& pair, const Manifold& manifold) {
-    const Proxy &a = proxies.by_slot[pair.proxy_a], &b = proxies.by_slot[pair.proxy_b];
-    const Surface met = combine(surface_of_part(a.surface, compound_of(a.shape), manifold.part_a), surface_of_part(b.surface, compound_of(b.shape), manifold.part_b));
+    const Surface met = combine(surface_of_part(proxies.surfaces[pair.proxy_a()], manifold.part_a), surface_of_part(proxies.surfaces[pair.proxy_b()], manifold.part_b));
     return static_cast<double>(met.friction);
 }
 
@@ -60,7 +59,7 @@ ContactResidual ResidualMeter::measure(const ContactSet& contacts, const ProxySe
         const BodyState &a = bodies.states[pair.body_a.slot], &b = bodies.states[pair.body_b.slot];
         for (std::size_t k = 0; k < manifold.count; ++k) {
             const PointImpulse& point = contacts.impulses[m][k];
-            const dvec3 normal{manifold.normal}, at = proxies.poses[pair.proxy_a].position + dvec3{manifold.points[k].position};
+            const dvec3 normal{manifold.normal}, at = proxies.poses[pair.proxy_a()].position + dvec3{manifold.points[k].position};
             const auto pushed = static_cast<double>(point.normal);
             add_impulse(pair, static_cast<double>(step.substeps) * (pushed * normal + dvec3{point.friction}));
             // Arms are those of the step's start, as the solver's are.

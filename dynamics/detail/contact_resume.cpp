@@ -10,6 +10,8 @@
 #include <bit>
 #include <cstddef>
 #include <cstring>
+#include <functional>
+#include <type_traits>
 #include <utility>
 
 namespace carom::dynamics {
@@ -36,11 +38,12 @@ void copy_lane(const ContactBundle& from, std::size_t source, ContactBundle& to,
 }
 
 /// Points of a lane whose push-out is limited.
-std::int32_t deep_in(const ContactBundle& c, std::size_t lane) {
+std::int32_t deep_in(const ContactBundle& c, std::size_t lane, const SoftContacts& soft) {
+    const float bias_rate = ((c.traits[lane] & LaneTraits::kFixed) != 0 ? soft.fixed : soft.moving).bias_rate;
     std::int32_t deep = 0;
     for (std::int32_t k = 0; k < c.point_count; ++k) {
         const PointLanes& p = c.points[static_cast<std::size_t>(k)];
-        deep += p.normal_mass[lane] > 0.0f && c.bias_rate[lane] * p.separation[lane] < -c.push_limit[lane] ? 1 : 0;
+        deep += p.normal_mass[lane] > 0.0f && bias_rate * p.separation[lane] < -c.push_limit[lane] ? 1 : 0;
     }
     return deep;
 }
@@ -165,12 +168,13 @@ bool ContactSolver::resume(const ContactSet& contacts, const ContactChanges& cha
         }
     }
     point_count_ = contacts.summary.points;
+    rows_.resize(slot_of_row_.size() + 1);
     begin_rows(proxies, bodies, executor);
     turning_.finish(rows_);
     fill_changed_rows(contacts, changes, executor);
     if (grown_ > most_room_) return false;  // each may need room of its own
-    moves_.clear();
-    reserve_with_room(moves_, changes.replaced.size() + changes.removed.size() + changes.added.size());
+    moves_.shorten(0);
+    moves_.reserve(changes.replaced.size() + changes.removed.size() + changes.added.size());
     places_of_.resize(contacts.manifolds.size(), kNowhere);
     for (const std::uint32_t m : changes.replaced) {
         if (flies(m)) continue;
@@ -193,6 +197,7 @@ bool ContactSolver::resume(const ContactSet& contacts, const ContactChanges& cha
     if (!std::ranges::all_of(changes.removed, has_contact)) return false;
     for (const std::uint32_t m : changes.removed) contact_rows_[m] = {static_cast<std::int32_t>(slot_of_row_.size()), static_cast<std::int32_t>(slot_of_row_.size())};
     fill_moves(contacts, proxies, bodies, executor);
+    moves_.release();
     deep_count_ = 0;
     for (const ContactBundle& bundle : bundles_) deep_count_ += static_cast<std::size_t>(bundle.deep);
     is_whole_ = true;
@@ -228,13 +233,15 @@ void ContactSolver::make_room(ContactBundle& bundle, std::int32_t points) {
 
 // A lane that was freed may be taken again: what comes to it last is all that counts, whoever does it first. And its bundle gets its room before.
 void ContactSolver::order_moves() {
-    last_move_.resize(bundles_.size() * kLanesPerBundle);
-    for (std::uint32_t i = 0; i < moves_.size(); ++i) last_move_[moves_[i].place] = i;
+    ScratchList<std::uint32_t> last_move(moves_.pool());  // by place, of those in moves_
+    last_move.resize(bundles_.size() * kLanesPerBundle);
+    for (std::uint32_t i = 0; i < moves_.size(); ++i) last_move[moves_[i].place] = i;
     std::size_t kept = 0;
     for (std::uint32_t i = 0; i < moves_.size(); ++i) {
-        if (last_move_[moves_[i].place] == i) moves_[kept++] = moves_[i];
+        if (last_move[moves_[i].place] == i) moves_[kept++] = moves_[i];
     }
-    moves_.resize(kept);
+    moves_.shorten(kept);
+    last_move.release();
     for (const Move& move : moves_) {
         ContactBundle& to = bundles_[move.place / kLanesPerBundle];
         const std::int32_t points = move.manifold == kUnusedLane ? 0 : points_of(move.manifold);
@@ -246,7 +253,7 @@ void ContactSolver::order_moves() {
 void ContactSolver::fill_group(std::size_t first, std::size_t count, const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies) {
     const auto row = [&](std::uint32_t m) {
         const ContactPair& pair = contacts.pairs[contacts.manifolds[m].pair];
-        return row_of(contacts, m, side_of(pair.proxy_a, proxies, bodies), side_of(pair.proxy_b, proxies, bodies), proxies);
+        return row_of(contacts, m, side_of(pair.proxy_a(), proxies, bodies), side_of(pair.proxy_b(), proxies, bodies), proxies);
     };
     ContactBundle some{};
     std::array<PointLanes, kMaxManifoldPoints> points_of_some{};
@@ -255,14 +262,14 @@ void ContactSolver::fill_group(std::size_t first, std::size_t count, const Conta
         const std::uint32_t m = some.manifold[lane] = lane < count ? moves_[first + lane].manifold : kUnusedLane;
         put_row(some, lane, m == kUnusedLane ? unused_row() : row(m));
     }
-    prepare_bundles({&some, 1}, {contacts.manifolds, contacts.impulses, rows_, soft_, soft_fixed_});
+    prepare_bundles({&some, 1}, {contacts.manifolds, contacts.impulses, rows_, soft_});
     for (std::size_t lane = 0; lane < count; ++lane) {
         Move& move = moves_[first + lane];
         ContactBundle& to = bundles_[move.place / kLanesPerBundle];
         const std::size_t into = move.place % kLanesPerBundle;
-        const std::int32_t deep = deep_in(to, into);
+        const std::int32_t deep = deep_in(to, into, soft_);
         copy_lane(some, lane, to, into);
-        move.deep = deep_in(to, into) - deep;
+        move.deep = deep_in(to, into, soft_) - deep;
     }
 }
 
@@ -283,10 +290,39 @@ void ContactSolver::fill_moves(const ContactSet& contacts, const ProxySet& proxi
     }
 }
 
+void ContactSolver::trim() {
+    if (!layouts_.take_seldom()) return;
+    drop(lane_order_, lanes_, places_);
+    coloring_.trim();
+    constexpr std::size_t kShare = 32, kFew = 16;  // of what is in use, to spare: these are the largest lists
+    const auto is_loose = [](const auto& list) { return list.capacity() > list.size() + list.size() / kShare + kFew; };
+    const auto tighten = [](auto& list) {
+        std::remove_reference_t<decltype(list)> tighter;
+        tighter.reserve(list.size());
+        tighter.assign(list.begin(), list.end());
+        list.swap(tighter);
+    };
+    if (is_loose(bundles_)) tighten(bundles_);
+    if (is_loose(points_)) {
+        const PointLanes* const was = points_.data();
+        const auto* const end = was + points_.size();
+        const std::less<> before;
+        const auto is_dealt_out = [&](const PointLanes* p) { return !before(p, was) && before(p, end); };  // others have room of their own
+        std::vector<std::size_t> firsts(bundles_.size(), points_.size());
+        for (std::size_t b = 0; b < bundles_.size(); ++b) {
+            if (is_dealt_out(bundles_[b].points)) firsts[b] = static_cast<std::size_t>(bundles_[b].points - was);
+        }
+        tighten(points_);
+        for (std::size_t b = 0; b < bundles_.size(); ++b) {
+            if (firsts[b] < points_.size()) bundles_[b].points = points_.data() + firsts[b];
+        }
+    }
+}
+
 std::size_t ContactSolver::memory() const noexcept {
     std::size_t sum = rules_.memory() + rolling_.memory() + slender_.memory() + turning_.memory() + round_.memory() + parts_.memory() + coloring_.memory();
     sum += held_by(is_left_out_, is_slender_, slot_of_row_, row_of_slot_, shared_, color_parts_, contact_rows_, kinds_, places_, lane_order_, colors_, lanes_);
-    sum += held_by(bundles_, points_, more_points_, places_of_, free_, color_of_bundle_, contacts_of_row_, moves_, last_move_, phases_, tasks_);
+    sum += held_by(bundles_, points_, more_points_, places_of_, free_, color_of_bundle_, contacts_of_row_, phases_, tasks_);
     for (const std::vector<Place>& places : free_) sum += held_by(places);
     return sum + more_points_.size() * sizeof(MorePoints);
 }

@@ -15,19 +15,26 @@ namespace carom::dynamics {
 
 /// Two shapes that have manifolds. Pairs are sorted by key.
 struct ContactPair {
-    std::uint64_t key = 0;  ///< slots of the two shapes, and a bit that sorts planes after the rest
-    ShapeId shape_a, shape_b;
+    static constexpr std::uint32_t kPlane = 0x80000000u;
+
+    std::uint64_t key = 0;  ///< slots of the two shapes, that of a in the upper half, and a bit that sorts planes (b) after the rest
     BodyId body_a, body_b;
-    std::uint32_t proxy_a = 0, proxy_b = 0;  ///< slots of the shapes
+    std::uint32_t generation_a = 0, generation_b = 0;  ///< of the shapes
     std::uint32_t first_manifold = 0, manifold_count = 0;
     std::uint32_t point_count = 0;           ///< of these manifolds together
     bool predicted = false;  ///< none of them touches yet
     bool passes = false;     ///< and in this step none will: nobody's to solve (passing.hpp)
     bool flies = false;  ///< the two bounce or pass, and nothing holds either: not the solver's (impacts.hpp)
 
+    /// Slots of the shapes.
+    [[nodiscard]] std::uint32_t proxy_a() const noexcept { return static_cast<std::uint32_t>(key >> 32); }
+    [[nodiscard]] std::uint32_t proxy_b() const noexcept { return static_cast<std::uint32_t>(key) & ~kPlane; }
+    [[nodiscard]] ShapeId shape_a() const noexcept { return {proxy_a(), generation_a}; }
+    [[nodiscard]] ShapeId shape_b() const noexcept { return {proxy_b(), generation_b}; }
     /// Whether it is the solver's.
     [[nodiscard]] bool is_solved() const noexcept { return !passes && !flies; }
 };
+static_assert(sizeof(ContactPair) == 48, "a world has two or three a body");
 
 /// Impulses of one contact point, in the order of the manifold's points [N s].
 struct PointImpulse {

@@ -49,7 +49,7 @@ dvec3 rounded(const dvec3& v) { return dvec3{vec3{v}}; }
 void ContactSolver::begin_rows(const ProxySet& proxies, const BodyArrays& bodies, Executor& executor) {
     gaps_known_ = false;
     moves_listed_ = 0;
-    fill_rows(proxies, bodies, executor);
+    fill_rows(bodies, executor);
     rules_.list(bodies, slot_of_row_, rows_.movable, settings_.substep());
     slender_.list(bodies, slot_of_row_, is_slender_, settings_.dt, settings_.substeps);
     is_left_out_.assign(is_slender_.begin(), is_slender_.end());
@@ -68,22 +68,23 @@ void ContactSolver::prepare(const ContactSet& contacts, std::span<const unsigned
     settings_ = settings;
     const double h = settings.substep();
     const double frequency = settings.contact_rate / h;
-    soft_ = soft_contact(frequency, settings.damping, h);
-    soft_fixed_ = soft_contact(2.0 * frequency, settings.damping, h);
+    soft_ = {soft_contact(frequency, settings.damping, h), soft_contact(2.0 * frequency, settings.damping, h)};
 
+    moves_.release();
     point_count_ = contacts.summary.points;
     part_count_ = point_count_ >= kPointsWorthSharing ? std::min(PhaseLoop::part_count(executor), BodyParts::kMostParts) : 1;
     mark_rows(contacts, held, bodies);
     number_rows(contacts, bodies);
-    begin_rows(proxies, bodies, executor);
     fill_sides(proxies, bodies, executor);
     fill_contact_rows(contacts, executor);
+    layouts_.note();
     coloring_.color(contact_rows_, rows_.movable);
     sort_by_points();
     lay_out_bundles();
     fill_lanes(executor);
     put_rows(contacts, proxies, executor);
-    const PrepareInput input{contacts.manifolds, contacts.impulses, rows_, soft_, soft_fixed_};
+    begin_rows(proxies, bodies, executor);  // where the sides were
+    const PrepareInput input{contacts.manifolds, contacts.impulses, rows_, soft_};
     deep_count_ = 0;
     for_bundles(executor, [&](std::span<ContactBundle> some) {
         prepare_bundles(some, input);
@@ -143,14 +144,11 @@ void ContactSolver::number_rows(const ContactSet& contacts, const BodyArrays& bo
     }
 }
 
-void ContactSolver::fill_rows(const ProxySet& proxies, const BodyArrays& bodies, Executor& executor) {
-    const std::size_t count = slot_of_row_.size(), movable = static_cast<std::size_t>(rows_.movable), sides = proxies.by_slot.size();
-    std::byte* const room = rows_.resize(count + 1, std::max(bytes_of<Side>(sides), bytes_of<dquat>(movable)));
-    std::byte *first_side = room, *first_turn = room;  // the sides are of prepare(), and what turns is of the passes
-    sides_ = cut<Side>(first_side, sides);
+void ContactSolver::fill_rows(const BodyArrays& bodies, Executor& executor) {
+    const std::size_t count = slot_of_row_.size(), movable = static_cast<std::size_t>(rows_.movable);
     is_slender_.assign(movable, 1);
     for (const std::uint32_t slot : shared_) is_slender_[static_cast<std::size_t>(row_of_slot_[slot])] = 0;  // joints turn their bodies as the rows do
-    turning_.begin(bodies, slot_of_row_, cut<dquat>(first_turn, movable), settings_.dt, settings_.substeps);
+    turning_.begin(bodies, slot_of_row_, rows_.turns, settings_.dt, settings_.substeps);
     executor.parallel_for(count + 1, kBodyGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t row = begin; row < end; ++row) {
             rows_.bodies[row] = {};
@@ -178,6 +176,10 @@ void ContactSolver::fill_rows(const ProxySet& proxies, const BodyArrays& bodies,
 }
 
 void ContactSolver::fill_sides(const ProxySet& proxies, const BodyArrays& bodies, Executor& executor) {
+    const std::size_t sides = proxies.by_slot.size();
+    rows_.resize(slot_of_row_.size() + 1, bytes_of<Side>(sides));
+    std::byte* next = rows_.memory.data();
+    sides_ = cut<Side>(next, sides);
     executor.parallel_for(sides_.size(), kBodyGrain, [&](std::size_t begin, std::size_t end) {
         for (std::size_t slot = begin; slot < end; ++slot) {
             if (proxies.kinds[slot] == ProxyKind::None || bodies.roles[proxies.bodies[slot]] == Role::Asleep) continue;
@@ -217,7 +219,7 @@ void ContactSolver::fill_contact_rows(const ContactSet& contacts, Executor& exec
 ContactRows ContactSolver::rows_of(const ContactPair& pair) const { return {row_or_unmoved(pair.body_a.slot), row_or_unmoved(pair.body_b.slot)}; }
 
 float ContactSolver::friction_of(const Side& side, std::uint32_t proxy, std::uint16_t part, const ProxySet& proxies) const {
-    return side.is_compound ? surface_of_part(proxies.surfaces[proxy].surface, proxies.surfaces[proxy].compound, part).friction : side.friction;
+    return side.is_compound ? surface_of_part(proxies.surfaces[proxy], part).friction : side.friction;
 }
 
 ManifoldRow ContactSolver::unused_row() const noexcept {
@@ -231,7 +233,7 @@ void ContactSolver::put_rows(const ContactSet& contacts, const ProxySet& proxies
             if (places_of_[m] == kNowhere) continue;
             ContactBundle& bundle = bundles_[places_of_[m] / kLanesPerBundle];
             const ContactPair& pair = contacts.pairs[contacts.manifolds[m].pair];
-            const ManifoldRow row = row_of(contacts, static_cast<std::uint32_t>(m), sides_[pair.proxy_a], sides_[pair.proxy_b], proxies);
+            const ManifoldRow row = row_of(contacts, static_cast<std::uint32_t>(m), sides_[pair.proxy_a()], sides_[pair.proxy_b()], proxies);
             put_row(bundle, places_of_[m] % kLanesPerBundle, row);
         }
     });
@@ -249,7 +251,7 @@ ManifoldRow ContactSolver::row_of(const ContactSet& contacts, std::uint32_t numb
     set(row.origin_a, origin_a);
     set(row.origin_b, origin_b);
     row.push_limit = std::min(a.push, b.push);  // of the smaller shape
-    row.friction = combine(friction_of(a, pair.proxy_a, manifold.part_a, proxies), friction_of(b, pair.proxy_b, manifold.part_b, proxies), a.friction_rule,
+    row.friction = combine(friction_of(a, pair.proxy_a(), manifold.part_a, proxies), friction_of(b, pair.proxy_b(), manifold.part_b, proxies), a.friction_rule,
                            b.friction_rule, CombineRule::GeometricMean);
     row.round = (a.is_ball ? 1 : 0) + (b.is_ball ? 2 : 0);
     if (row.round == 3) {
@@ -372,7 +374,7 @@ void ContactSolver::for_bundles(Executor& executor, FunctionRef<void(std::span<C
 }
 
 void ContactSolver::carry_gaps(std::span<Manifold> manifolds, Executor& executor) {
-    for_bundles(executor, [&](std::span<ContactBundle> some) { dynamics::carry_gaps(some, manifolds); });
+    for_bundles(executor, [&](std::span<ContactBundle> some) { dynamics::carry_gaps(some, manifolds, soft_); });
 }
 
 void ContactSolver::store(BodyArrays& bodies, ContactSet& contacts, Executor& executor) {

@@ -48,7 +48,7 @@ struct SolverSettings {
 class ContactSolver {
 public:
     /// @param pool  for what is needed from prepare() or resume() to store().
-    explicit ContactSolver(ScratchPool& pool) noexcept : rows_(pool) {}
+    explicit ContactSolver(ScratchPool& pool) noexcept : rows_(pool), moves_(pool) {}
 
     /// Takes in the contacts and the bodies they touch, colours the manifolds and fills the bundles.
     /// @param held  by slot: 1 for bodies that others have moved in this step, whose contacts are left out; empty where there are none.
@@ -85,7 +85,9 @@ public:
     void store(BodyArrays& bodies, ContactSet& contacts, Executor& executor);
 
     /// After a step that was not finished: resume() has to wait for the next prepare().
-    void forget() noexcept { is_whole_ = false, rows_.release(); }
+    void forget() noexcept { is_whole_ = false, rows_.release(), moves_.release(); }
+    /// After store(). Where bundles are seldom laid out, gives back what that takes, and what they do not fill.
+    void trim();
     /// [bytes], without what is of the pool.
     [[nodiscard]] std::size_t memory() const noexcept;
 
@@ -140,7 +142,7 @@ private:
     void mark_rows(const ContactSet& contacts, std::span<const unsigned char> held, const BodyArrays& bodies);
     void number_rows(const ContactSet& contacts, const BodyArrays& bodies);
     void begin_rows(const ProxySet& proxies, const BodyArrays& bodies, Executor& executor);
-    void fill_rows(const ProxySet& proxies, const BodyArrays& bodies, Executor& executor);
+    void fill_rows(const BodyArrays& bodies, Executor& executor);
     void fill_sides(const ProxySet& proxies, const BodyArrays& bodies, Executor& executor);
     void fill_contact_rows(const ContactSet& contacts, Executor& executor);
     [[nodiscard]] ContactRows rows_of(const ContactPair& pair) const;
@@ -183,7 +185,7 @@ private:
     SolverSettings settings_;
     int moves_listed_ = 0;     // of the step
     bool gaps_known_ = false;  ///< of the points in the bundles: no body has moved since
-    SoftContact soft_, soft_fixed_;
+    SoftContacts soft_;
     SolverBodies rows_;
     RowRules rules_;
     RollingRows rolling_;
@@ -199,7 +201,7 @@ private:
     std::size_t part_count_ = 1;
     std::array<std::uint32_t, BodyParts::kMostParts + 1> part_rows_{}, all_parts_{};  // first row of each part, and the end: without kinematic bodies and with them
     std::vector<std::uint32_t> color_parts_;    // of each colour, the first bundle of each part, counted from its own first, and the end
-    std::span<Side> sides_;                    // by slot of shapes, behind the rows
+    std::span<Side> sides_;                    // by slot of shapes, of prepare() until the rows are filled, where these come to be
     std::vector<ContactRows> contact_rows_;    // per manifold
     std::vector<std::uint8_t> kinds_;          // per manifold: its part and number of points
     Coloring coloring_;
@@ -215,14 +217,14 @@ private:
     std::uint32_t first_overflow_bundle_ = 0;  // these are solved one after the other
     std::size_t deep_count_ = 0;
     std::size_t point_count_ = 0;
+    Uses layouts_;
     bool is_whole_ = false;                                    // what is in the bundles is all that the bodies of the rows have
     bool places_known_ = false;                                // those below are of what is in the bundles
     std::vector<Place> places_of_;                             // by manifold; kNowhere where it has no lane
     std::vector<std::vector<Place>> free_;                     // by colour
     std::vector<std::uint8_t> color_of_bundle_;
     std::vector<std::uint32_t> contacts_of_row_;               // of rows that move
-    std::vector<Move> moves_;
-    std::vector<std::uint32_t> last_move_;                     // by place, of those in moves_
+    ScratchList<Move> moves_;                                  // of resume()
     std::size_t grown_ = 0;                                    // lanes that got more points since they were laid out
     std::vector<Phase> phases_;
     std::vector<Task> tasks_;  // of each phase

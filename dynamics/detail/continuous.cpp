@@ -48,15 +48,13 @@ void Continuous::prepare(std::size_t slots, std::span<const std::uint32_t> free)
     }
 }
 
-void Continuous::trim() { trim_kept(departures_); }
-
 void Continuous::list_bodies(const ContinuousScene& scene) {
     const std::size_t slots = scene.bodies.roles.size();
     list_body_sizes(scene.proxies, slots, sizes_);
     first_proxy_.assign(slots + 1, 0);
     const auto for_each_proxy = [&](const auto& visit) {
         for (std::uint32_t i = 0; i < scene.proxies.by_slot.size(); ++i) {
-            if (scene.proxies.kinds[i] != ProxyKind::None) visit(i, scene.proxies.by_slot[i].body);
+            if (scene.proxies.kinds[i] != ProxyKind::None) visit(i, scene.proxies.bodies[i]);
         }
     };
     for_each_proxy([&](std::uint32_t, std::uint32_t body) { ++first_proxy_[body + 1]; });
@@ -146,25 +144,10 @@ void Continuous::record(const ContinuousScene& scene, StepPaths& paths) {
         if (body.flies) body.start = departure_of(slot)->start;
         body.motion = scene.free_motion(slot);
         body.mass = scene.bodies.masses[slot];
+        body.principal = scene.bodies.principal(slot);
         body.follow = finding_of(scene, slot);
     }
     paths_ = &paths;
-}
-
-// Contacts may give a slender body more spin than a step can follow. Left alone it would not be watched, and yet stay in the world if somebody struck it, which
-// slows it as well. What flew has not been turned at all.
-bool Continuous::slow_down(const ContinuousScene& scene, std::uint32_t slot) {
-    const bool flew = flies(scene, slot);
-    BodyState slower = flew ? departure_of(slot)->start : scene.bodies.states[slot];
-    const double spin = glm::length(slower.spin);
-    if (scene.bodies.roles[slot] != Role::Dynamic || !(spin * scene.dt > kMostTurn && spin <= kMostSpeed)) return false;
-    slower.spin *= kSlowedTurn / (spin * scene.dt);
-    const BodyState start = slower;
-    if (flew) integrate_free(slower, scene.bodies.masses[slot], scene.free_motion(slot), scene.dt);
-    if (!is_usable(slower, scene.dt)) return false;
-    if (flew) depart(slot, start), arrive(slot, slower);
-    scene.bodies.states[slot] = slower;
-    return true;
 }
 
 bool Continuous::look(const ContinuousScene& scene) {
@@ -218,6 +201,7 @@ void Continuous::list_strays(const ContinuousScene& scene) {
 
 BodyState Continuous::state_at(const ContinuousScene& scene, const Mover& mover, double t) const {
     if (mover.carrier != kNone) return mover.ride.after(mover.flight.start, mover.since, t, scene.dt);
+    if (mover.slides) return {pose_at(mover.path.piece(BodyPath::kWhole), t), mover.flight.start.velocity, mover.flight.start.spin};
     if (mover.stopped) return mover.flight.start;
     if (mover.flies) {
         if (t == 1.0 && mover.since < 1.0) return mover.path.end();
@@ -259,6 +243,8 @@ void Continuous::lay_path(const ContinuousScene& scene, Mover& mover) const {
     const BodyState& now = scene.bodies.states[mover.slot];
     if (mover.carrier != kNone) {
         mover.path.ride(mover.ride, mover.since, path_settings(sizes_[mover.slot], scene.dt));
+    } else if (mover.slides) {
+        mover.path.go({.begin = mover.since, .start = mover.flight.start.pose, .translation = (1.0 - mover.since) * mover.slide});
     } else if (mover.stopped) {
         mover.path.go({.begin = mover.since, .start = mover.flight.start.pose});
     } else if (mover.flies) {
@@ -280,9 +266,9 @@ std::uint32_t Continuous::mover_of(const ContinuousScene& scene, std::uint32_t s
     Mover& mover = movers_[number];
     mover.slot = slot;
     mover.since = 0.0;
-    mover.flies = mover.changed = mover.stopped = mover.crushed = false;
+    mover.flies = mover.changed = mover.stopped = mover.crushed = mover.slides = false;
     mover.carrier = kNone;
-    mover.impacts = 0;
+    mover.impacts = mover.ways = 0;
     mover.version = 0;  // the path keeps its memory
     if (flies(scene, slot)) {
         mover.flies = true;
@@ -335,7 +321,8 @@ bool Continuous::stay_together(const ContinuousScene& scene, std::uint32_t slot_
         const Role role = scene.bodies.roles[slot];
         const Mover* const mover = mover_of_slot_[slot] == kNone ? nullptr : &movers_[mover_of_slot_[slot]];
         const BodyState& state = mover != nullptr && mover->flies ? mover->flight.start : scene.bodies.states[slot];
-        if (mover != nullptr && mover->stopped && (mover->carrier != kNone || scene.bodies.roles[slot == slot_a ? slot_b : slot_a] == Role::Kinematic)) return false;
+        const bool meets_kinematic = scene.bodies.roles[slot == slot_a ? slot_b : slot_a] == Role::Kinematic;
+        if (mover != nullptr && mover->stopped && (mover->carrier != kNone || mover->slides || meets_kinematic)) return false;
         if (state.spin != dvec3{0.0} && role == Role::Kinematic && has_plane(scene, slot)) return false;  // seldom, so a search is no loss
         if (moves(role) && (mover == nullptr || !mover->stopped)) {
             velocity[side] = state.velocity;
@@ -345,14 +332,6 @@ bool Continuous::stay_together(const ContinuousScene& scene, std::uint32_t slot_
         ++side;
     }
     return motion + glm::length(velocity[0] - velocity[1]) * scene.dt <= settings_.motion * extent;
-}
-
-std::size_t Continuous::memory() const noexcept {
-    std::size_t sum = movers_.size() * sizeof(Mover) + stray_boxes_.memory() + courses_.memory() + held_by(wishes_, sizes_, first_proxy_, proxies_, departures_, departure_of_slot_) +
-                      held_by(fast_, is_fast_, strays_, number_of_stray_, is_stray_, mover_of_slot_, fast_pairs_, displaced_, events_, chances_, probes_, at_once_, finders_, manifolds_);
-    for (const FastPairs& some : fast_pairs_) sum += held_by(some.pairs);
-    for (const Finder& some : finders_) sum += held_by(some.near, some.pairs);
-    return sum;
 }
 
 }  // namespace carom::dynamics

@@ -22,6 +22,7 @@
 #include <carom/dynamics/detail/first_chance.hpp>
 #include <carom/dynamics/detail/first_touch.hpp>
 #include <carom/dynamics/detail/grouped_boxes.hpp>
+#include <carom/dynamics/detail/least_shift.hpp>
 #include <carom/dynamics/detail/meeting.hpp>
 #include <carom/dynamics/detail/path_touch.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
@@ -123,7 +124,10 @@ private:
         bool changed = false;   ///< by an impact
         bool stopped = false;   ///< where it had its last impact, until the step is over; unless something carries it
         bool crushed = false;   ///< nothing carries it any more
+        bool slides = false;    ///< along `slide`, out of the way of something kinematic or of what that carries; it has no carrier then
         std::uint32_t carrier = kNone;  ///< a kinematic mover, along with which it goes since `since`
+        dvec3 slide{0.0};       ///< [m] in a whole step
+        int ways = 0;           ///< that it went, but for the first that carried it
         int impacts = 0;        ///< in sixteenths; a chord that is laid anew is none
         std::uint32_t version = 0;
         Ride ride;              ///< of what is carried
@@ -136,6 +140,22 @@ private:
         StopCause stop = StopCause::None;
         int account = 0;                ///< what goes to it, in sixteenths
         std::uint32_t carrier = kNone;  ///< along with which it goes, if it is stopped
+        std::optional<dvec3> slide{};   ///< by which it goes, if it is: [m] in a whole step
+    };
+    /// Where one that is carried can go on.
+    struct Way {
+        dvec3 shift{0.0};               ///< until the step is over [m]
+        std::uint32_t carrier = kNone;  ///< along with which it goes; kNone: it slides
+    };
+    struct Choice {
+        std::uint32_t number = 0;  ///< of the mover
+        Way way;
+    };
+    /// A point that something has in common with what stands in its way, and the planes that it has to stay before.
+    struct Obstacle {
+        dvec3 at{0.0};
+        std::uint32_t carrier = kNone;  ///< that drives the other
+        ShiftBound now, end;
     };
     using Pair = SweptPair;
     struct Event {
@@ -172,6 +192,8 @@ private:
     [[nodiscard]] bool is_fast(const ContinuousScene& scene, std::uint32_t slot) const;
     /// Of a body that contacts made spin too fast. @return whether it can be followed then.
     bool slow_down(const ContinuousScene& scene, std::uint32_t slot);
+    /// Of one that was struck, whose moments let it spin faster than it did then.
+    void slow_at_end(const ContinuousScene& scene, BodyState& state);
     void list_strays(const ContinuousScene& scene);
     /// Of a stray, or of what has become one.
     void note_way(const ContinuousScene& scene, std::uint32_t slot, const BodyPath& path);
@@ -251,6 +273,17 @@ private:
     /// One that is stopped goes with the other from now on, or is crushed against it.
     void join(const ContinuousScene& scene, std::uint32_t mover, std::uint32_t other, double t, const BodyState& state);
     void crush(const ContinuousScene& scene, std::uint32_t mover, double t, const BodyState& state);
+    /// Whether it moves on though it cannot be struck.
+    [[nodiscard]] bool goes_on(const ContinuousScene& scene, std::uint32_t mover) const;
+    [[nodiscard]] bool stands_in_the_way(const ContinuousScene& scene, std::uint32_t mover) const;
+    void add_obstacle(const ContinuousScene& scene, std::uint32_t other, double t, const dvec3& at, const dvec3& normal);
+    void list_obstacles(const ContinuousScene& scene, std::uint32_t mover, std::uint32_t other, double t, const BodyState& state);
+    /// @param side  of meeting_.points: by which their normals point from the other to this one.
+    [[nodiscard]] std::optional<Way> find_way(const ContinuousScene& scene, std::uint32_t mover, std::uint32_t other, double t,
+                                              const BodyState& state, double side);
+    /// @return whether either of two that meet, by meeting_.points, can go elsewhere: then `choice` is who, and where.
+    [[nodiscard]] bool choose_way(const ContinuousScene& scene, std::uint32_t a, std::uint32_t b, double t, Choice& choice);
+    void take_way(const ContinuousScene& scene, const Choice& choice, double t, const BodyState& state);
     /// What goes along with a mover that goes on.
     [[nodiscard]] std::uint32_t carrier_of(const ContinuousScene& scene, std::uint32_t mover) const;
     /// Whether the two go along with the same.
@@ -298,6 +331,7 @@ private:
     Mover shifted_;                            // looks for room
     BodyPath standing_;                        // of whom it may meet
     std::vector<std::uint32_t> displaced_;
+    Uses runs_;
     std::size_t mover_count_ = 0;              // those beyond keep their memory
     std::vector<Event> events_;                // a heap
     std::vector<Chance> chances_;              // likewise
@@ -308,6 +342,7 @@ private:
     std::size_t chance_count_ = 0;             // of this step
     Meeting meeting_;
     std::vector<Manifold> manifolds_;
+    std::vector<Obstacle> obstacles_;
     Cores cores_;
     StepPaths* paths_ = nullptr;               // null: nothing is written down
 };

@@ -28,6 +28,7 @@ void take_back_pull(dvec3& velocity, const dvec3& pull) noexcept {
 
 void Continuous::run(const ContinuousScene& scene) {
     const std::size_t slots = scene.bodies.roles.size();
+    runs_.note();
     mover_of_slot_.assign(slots, kNone);
     mover_count_ = 0;
     events_.clear();
@@ -56,7 +57,8 @@ void Continuous::run(const ContinuousScene& scene) {
     }
     for (std::uint32_t i = 0; i < mover_count_; ++i) {
         if (!movers_[i].changed) continue;
-        scene.bodies.states[movers_[i].slot] = state_at(scene, movers_[i], 1.0);
+        BodyState& state = scene.bodies.states[movers_[i].slot] = state_at(scene, movers_[i], 1.0);
+        slow_at_end(scene, state);
         displaced_.push_back(movers_[i].slot);
         note_leg(i, 1.0);
     }
@@ -67,7 +69,7 @@ void Continuous::run(const ContinuousScene& scene) {
 bool Continuous::overlap_at_start(const ContinuousScene& scene, const Pair& pair, int level) {
     const auto still = [&](std::uint32_t proxy) {
         const Proxy& p = scene.proxies.by_slot[proxy];
-        const PathPiece whole = movers_[mover_of_slot_[p.body]].path.piece(BodyPath::kWhole);
+        const PathPiece whole = movers_[mover_of_slot_[scene.proxies.bodies[proxy]]].path.piece(BodyPath::kWhole);
         return MovingShape{&p.shape, shape_motion(cut(whole, whole.begin, whole.begin), p.local)};
     };
     return first_touch(still(pair.a), level, still(pair.b), {}, cores_).status == ImpactStatus::Overlapping;
@@ -103,6 +105,7 @@ void Continuous::search_deeper(const ContinuousScene& scene, const Pair& pair, d
 // Where the two touch, by the narrowphase; where it finds nothing because the time is a little early, and of what is thinned, by the search.
 void Continuous::find_points(const ContinuousScene& scene, const Event& event, const BodyState& a, const BodyState& b) {
     const Proxy &proxy_a = scene.proxies.by_slot[event.pair.a], &proxy_b = scene.proxies.by_slot[event.pair.b];
+    const ProxySurface &surface_a = scene.proxies.surfaces[event.pair.a], &surface_b = scene.proxies.surfaces[event.pair.b];
     const bool mesh = type_of(proxy_a.shape) == ShapeType::TriangleMesh;
     meeting_.points.clear();
     if (event.level == 0 || event.impact.normal == dvec3{0.0}) {
@@ -112,15 +115,14 @@ void Continuous::find_points(const ContinuousScene& scene, const Event& event, c
         collide({&proxy_a.shape, &proxy_b.shape, pose_a, pose_b, static_cast<float>(margin)}, 0, manifolds_);
         if (mesh && manifolds_.empty()) return;  // only its hull is there
         for (const Manifold& m : manifolds_) {
-            const Surface surface = combine(surface_of_part(proxy_a.surface, compound_of(proxy_a.shape), m.part_a),
-                                            surface_of_part(proxy_b.surface, compound_of(proxy_b.shape), m.part_b));
+            const Surface surface = combine(surface_of_part(surface_a, m.part_a), surface_of_part(surface_b, m.part_b));
             for (const ContactPoint& p : m.used()) {
                 if (!mesh) meeting_.points.push_back({pose_a.position + dvec3{p.position}, dvec3{m.normal}, surface.friction, surface.restitution});
             }
         }
     }
     if (!meeting_.points.empty()) return;
-    const Surface surface = combine(proxy_a.surface, proxy_b.surface);
+    const Surface surface = combine(surface_a.surface, surface_b.surface);
     if (event.impact.normal != dvec3{0.0}) {
         meeting_.points.push_back({event.impact.point, event.impact.normal, surface.friction, surface.restitution});
     } else if (const dvec3 between = a.velocity - point_velocity(b, a.pose.position); between != dvec3{0.0}) {  // no direction is known but the one that must not be gone on
@@ -173,7 +175,7 @@ void Continuous::strike(const ContinuousScene& scene, std::uint32_t number, doub
     Mover& mover = movers_[number];
     if (scene.bodies.roles[mover.slot] == Role::Asleep) scene.wake(mover.slot);
     if (!mover.flies) mover.flight.motion = {.spin_tolerance = scene.free_motion(mover.slot).spin_tolerance};
-    if (!mover.stopped || mover.carrier != kNone || outcome.carrier != kNone) {
+    if (!mover.stopped || mover.carrier != kNone || mover.slides || outcome.carrier != kNone || outcome.slide) {
         note_leg(number, t);
         mover.since = t;
     }
@@ -194,10 +196,15 @@ void Continuous::strike(const ContinuousScene& scene, std::uint32_t number, doub
         take_back_pull(mover.flight.start.velocity, (1.0 - t) * scene.dt * (scene.free_motion(mover.slot).acceleration - mover.flight.motion.acceleration));
     }
     if (mover.stopped && !mover.crushed && outcome.carrier != kNone && may_ride(scene, mover.slot)) {
-        if (mover.carrier == kNone) ++counts_.carried;
+        if (mover.carrier == kNone && !mover.slides && mover.ways == 0) ++counts_.carried;
+        mover.slides = false;
         const PathPiece& way = movers_[outcome.carrier].path.piece(BodyPath::kWhole);
         mover.carrier = outcome.carrier;
         mover.ride = {way, inverse(pose_at(way, t)) * outcome.state.pose};
+    } else if (outcome.slide) {
+        mover.slides = true;
+        mover.slide = *outcome.slide;
+        mover.carrier = kNone;
     } else if (mover.carrier != kNone) {
         mover.ride.local = inverse(pose_at(mover.ride.carrier, t)) * outcome.state.pose;  // it may have been moved apart
     }
@@ -225,7 +232,7 @@ void Continuous::note_impact(const ContinuousScene& scene, const Event& event, b
     PathImpact& impact = paths_->impacts.emplace_back();
     impact.t = event.t;
     impact.a = event.pair.a, impact.b = event.pair.b;
-    impact.id_a = scene.proxies.by_slot[impact.a].id, impact.id_b = scene.proxies.by_slot[impact.b].id;
+    impact.id_a = scene.proxies.owners[impact.a].shape, impact.id_b = scene.proxies.owners[impact.b].shape;
     impact.level = event.level;
     impact.status = event.impact.status;
     impact.margin = event.bend + kSweepToleranceShare * size_of(scene, event.pair);

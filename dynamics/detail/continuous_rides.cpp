@@ -16,7 +16,7 @@ bool Continuous::go_together(const ContinuousScene& scene, std::uint32_t a, std:
 BodyState Continuous::motion_at(const ContinuousScene& scene, const Mover& mover, double t) const {
     if (mover.carrier != kNone) return mover.ride.motion(t, scene.dt);
     BodyState state = state_at(scene, mover, t);
-    if (mover.stopped) state.velocity = state.spin = dvec3{0.0};
+    if (mover.stopped) state.velocity = mover.slides ? mover.slide / scene.dt : dvec3{0.0}, state.spin = dvec3{0.0};
     return state;
 }
 
@@ -37,9 +37,13 @@ void Continuous::carry(const ContinuousScene& scene, const Event& event) {
     if (go_together(scene, number_a, number_b) || (a.crushed && !b_gives_way)) return;
     BodyState state_a = state_at(scene, a, event.t), state_b = state_at(scene, b, event.t);
     find_points(scene, event, state_a, state_b);
+    if (!come_nearer(scene, event)) return search_deeper(scene, event.pair, event.t, event.level);
     // What neither can give way to is left to contacts as far as the middle.
-    const bool joins = can_board(scene, number_a, number_b) || (b_gives_way && can_board(scene, number_b, number_a));
-    if (!come_nearer(scene, event) || (!joins && event.level + 1 < kLevels)) return search_deeper(scene, event.pair, event.t, event.level);
+    const bool boards = can_board(scene, number_a, number_b) || (b_gives_way && can_board(scene, number_b, number_a));
+    Choice choice;
+    if (!boards && event.level + 1 < kLevels && !choose_way(scene, number_a, number_b, event.t, choice)) {
+        return search_deeper(scene, event.pair, event.t, event.level);
+    }
     meeting_.a = meeter_of(state_a, scene.bodies.masses[slot_a], true);
     meeting_.b = meeter_of(state_b, scene.bodies.masses[slot_b], b_gives_way);
     const bool blow = meeting_.approaches(kSlowShare * size_of(scene, event.pair) / scene.dt);
@@ -60,10 +64,10 @@ bool Continuous::may_ride(const ContinuousScene& scene, std::uint32_t slot) cons
 
 bool Continuous::can_board(const ContinuousScene& scene, std::uint32_t number, std::uint32_t other) const {
     const Mover& mover = movers_[number];
-    return mover.stopped && !mover.crushed && mover.carrier == kNone && may_ride(scene, mover.slot) && carrier_of(scene, other) != kNone;
+    return mover.stopped && !mover.crushed && !mover.slides && mover.carrier == kNone && may_ride(scene, mover.slot) && carrier_of(scene, other) != kNone;
 }
 
-// Nobody changes more than twice: what stands is carried, and what is carried is crushed.
+// Nobody changes without end: what stands is carried, what is carried goes a few other ways, and is crushed.
 void Continuous::join(const ContinuousScene& scene, std::uint32_t number_a, std::uint32_t number_b, double t, const BodyState& state_a) {
     const Mover& b = movers_[number_b];
     const bool b_gives_way = has_mass(scene.bodies.roles[b.slot]);
@@ -73,7 +77,16 @@ void Continuous::join(const ContinuousScene& scene, std::uint32_t number_a, std:
     };
     if (can_board(scene, number_a, number_b)) return board(number_a, state_a, number_b);
     if (b_gives_way && can_board(scene, number_b, number_a)) return board(number_b, state_at(scene, b, t), number_a);
-    const auto stands = [&](const Mover& mover) { return mover.stopped && !mover.crushed && (mover.carrier != kNone || !may_ride(scene, mover.slot)); };
+    Choice choice;
+    if (choose_way(scene, number_a, number_b, t, choice)) {
+        if (choice.number == number_a) return take_way(scene, choice, t, state_a);
+        strike(scene, number_a, t, {state_a, StopCause::Partner});
+        take_way(scene, choice, t, state_at(scene, b, t));
+        return search_all(scene, number_a, t, b.slot);
+    }
+    const auto stands = [&](const Mover& mover) {
+        return mover.stopped && !mover.crushed && (mover.carrier != kNone || mover.slides || !may_ride(scene, mover.slot));
+    };
     if (stands(movers_[number_a])) return crush(scene, number_a, t, state_a);
     if (stands(b)) crush(scene, number_b, t, state_at(scene, b, t));
 }
@@ -83,6 +96,7 @@ void Continuous::crush(const ContinuousScene& scene, std::uint32_t number, doubl
     strike(scene, number, t, {state, StopCause::Partner});  // ends its leg
     ++counts_.crushed;
     mover.crushed = true;
+    mover.slides = false;
     mover.carrier = kNone;
     note_stop(mover, t, StopCause::Crushed);
     lay_path(scene, mover);

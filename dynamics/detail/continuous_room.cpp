@@ -53,4 +53,25 @@ double Continuous::room_for(const ContinuousScene& scene, std::uint32_t slot, st
     return room;
 }
 
+void Continuous::trim() {
+    trim_kept(departures_);
+    if (!runs_.take_seldom()) return;
+    fast_pairs_.clear(), finders_.clear();  // with what they list
+    drop(number_of_stray_, is_stray_, mover_of_slot_, fast_pairs_, finders_, events_, chances_, probes_, at_once_);
+    courses_.drop();
+    constexpr std::size_t kFewMovers = 16;
+    if (movers_.size() > kFewMovers) movers_.resize(kFewMovers), movers_.shrink_to_fit();
+    mover_count_ = 0;
+}
+
+std::size_t Continuous::memory() const noexcept {
+    std::size_t sum = movers_.size() * sizeof(Mover) + stray_boxes_.memory() + courses_.memory();
+    sum += held_by(wishes_, sizes_, first_proxy_, proxies_, departures_, departure_of_slot_, fast_, is_fast_, strays_, number_of_stray_,
+                   is_stray_, mover_of_slot_);
+    sum += held_by(fast_pairs_, displaced_, events_, chances_, probes_, at_once_, finders_, manifolds_, obstacles_);
+    for (const FastPairs& some : fast_pairs_) sum += held_by(some.pairs);
+    for (const Finder& some : finders_) sum += held_by(some.near, some.pairs);
+    return sum;
+}
+
 }  // namespace carom::dynamics

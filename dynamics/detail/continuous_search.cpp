@@ -201,10 +201,11 @@ void Continuous::take_chance(const ContinuousScene& scene) {
 
 double Continuous::first_chance_of(const ContinuousScene& scene, const Pair& pair, double from) const {
     const Proxy &a = scene.proxies.by_slot[pair.a], &b = scene.proxies.by_slot[pair.b];
-    const Mover &mover_a = movers_[mover_of_slot_[a.body]], &mover_b = movers_[mover_of_slot_[b.body]];
+    const std::uint32_t body_a = scene.proxies.bodies[pair.a], body_b = scene.proxies.bodies[pair.b];
+    const Mover &mover_a = movers_[mover_of_slot_[body_a]], &mover_b = movers_[mover_of_slot_[body_b]];
     const Ball ball{&mover_a.course, a.reach};
     const double room = kSweepRoomShare * size_of(scene, pair);
-    const Role role = scene.bodies.roles[b.body];
+    const Role role = scene.bodies.roles[body_b];
     const PathPiece& way = mover_b.path.piece(BodyPath::kWhole);
     if (scene.proxies.kinds[pair.b] != ProxyKind::Plane) {
         if (role == Role::Static) return first_chance(ball, bounds(b.shape, scene.proxies.poses[pair.b]), from, room);
@@ -224,13 +225,14 @@ double Continuous::first_chance_of(const ContinuousScene& scene, const Pair& pai
 
 PathSearch Continuous::search_of(const ContinuousScene& scene, const Pair& pair, double from, int level) {
     const Proxy &a = scene.proxies.by_slot[pair.a], &b = scene.proxies.by_slot[pair.b];
-    Mover &mover_a = movers_[mover_of_slot_[a.body]], &mover_b = movers_[mover_of_slot_[b.body]];
+    const std::uint32_t body_a = scene.proxies.bodies[pair.a], body_b = scene.proxies.bodies[pair.b];
+    Mover &mover_a = movers_[mover_of_slot_[body_a]], &mover_b = movers_[mover_of_slot_[body_b]];
     PathSearch search{.a = {&mover_a.path, &a.shape, &a.local, a.reach}, .b = {&mover_b.path, &b.shape, &b.local, b.reach}};
     search.level = level;
     search.from = from;
     search.tolerance = kSweepToleranceShare * size_of(scene, pair);
     const bool is_plane = scene.proxies.kinds[pair.b] == ProxyKind::Plane;
-    if (is_plane || scene.bodies.roles[b.body] == Role::Static)
+    if (is_plane || scene.bodies.roles[body_b] == Role::Static)
         search.still = is_plane ? kEverywhere : bounds(b.shape, scene.proxies.poses[pair.b]);
     return search;
 }

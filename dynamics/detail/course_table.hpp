@@ -9,6 +9,7 @@
 
 #include <carom/core/bundle.hpp>
 #include <carom/dynamics/detail/first_chance.hpp>
+#include <carom/dynamics/detail/room.hpp>
 
 #include <cstddef>
 #include <cstdint>
@@ -29,7 +30,12 @@ public:
     /// Appends all k that first_chance() gives a time up to `to` for, and mostly few others. The same at every SIMD width. Cost: some 1 ns a number.
     /// @param from  within all courses. @param to  from `from` to 1.
     void list_near(const Ball& ball, double from, double to, double room, std::vector<std::uint32_t>& found) const;
-    [[nodiscard]] std::size_t memory() const noexcept { return rows_.capacity() * sizeof(CourseRows); }
+    /// Gives the memory back. It has no numbers then.
+    void drop() noexcept {
+        dynamics::drop(rows_);
+        count_ = 0;
+    }
+    [[nodiscard]] std::size_t memory() const noexcept { return held_by(rows_); }
 
     /// Eight balls, number by number.
     struct CourseRows {

@@ -9,6 +9,9 @@ namespace {
 
 /// A soft contact may sag by this share of the smallest extent before its island counts as stiff.
 constexpr double kSagShare = 1e-3;
+/// A contact that bore so many times the weight of its island stopped a fall in the step before. That is no force to start from where the solve
+/// does not converge; what rests keeps its impulses, and does not notice that it was tried.
+constexpr double kStruck = 1.5;
 /// With more manifolds than that, and none solved directly, every sixteenth step is looked at: stiff piles do not come up in less.
 constexpr std::size_t kManyManifolds = 512;
 constexpr std::uint64_t kLookEvery = 16;
@@ -17,8 +20,9 @@ constexpr std::uint64_t kLookEvery = 16;
 constexpr double kCalmShare = 0.02;
 constexpr std::uint32_t kFewBodies = 8;
 constexpr double kSquashed = 10.0;  // times the sag that is stiff
-/// After a solve that did not converge an island is left alone for 1, 2, 4, ... steps; after one that was too dear for as many more.
-constexpr std::uint64_t kLongestWait = 64, kLongestRefusal = 1024;
+/// After a solve that did not converge an island is left alone for 1, 2, 4, ... steps, one of few bodies for 64 at most: to try takes as long as some
+/// fifty to a hundred soft steps of it, so what never converges costs a tenth to a fifth more. After one that was too dear for 1,024.
+constexpr std::uint64_t kLongestWaitOfFew = 64, kLongestWait = 512, kLongestRefusal = 1024;
 /// A graph of so many bodies and links cannot be factorised in the budget: one operation for each at the least, and these piles have fill.
 constexpr std::size_t kLeastOperations = 8;
 /// An island that was too dear is so again while it has more than 15/16 of the bodies and of the contacts between them that it had: finding out takes as
@@ -46,7 +50,7 @@ double least_load(const ContactPair& pair, const BodyArrays& bodies, const dvec3
 bool is_plain(const DirectWorld& world, std::span<const std::uint32_t> bodies, std::span<const std::uint32_t> manifolds) {
     for (const std::uint32_t m : manifolds) {
         const ContactPair& pair = world.contacts.pairs[world.contacts.manifolds[m].pair];
-        if (pair.flies || resists(world.proxies.by_slot[pair.proxy_a].resistance) || resists(world.proxies.by_slot[pair.proxy_b].resistance)) return false;
+        if (pair.flies || resists(world.proxies.by_slot[pair.proxy_a()].resistance) || resists(world.proxies.by_slot[pair.proxy_b()].resistance)) return false;
     }
     return std::ranges::all_of(bodies, [&](std::uint32_t slot) {
         return world.bodies.masses[slot].locked == LockedAxes::None && (world.jointed.empty() || world.jointed[slot] == 0);
@@ -86,6 +90,7 @@ bool DirectIslands::list_tasks(const DirectWorld& world, const DirectStep& step,
     if (!all && many && number % kLookEvery != 0) return false;
     if (!impulses && !stiff_.look(world.contacts, world.proxies, world.bodies, law_of(step), held_before_) && !all) return false;
     if (all) all_.assign(world.contacts.manifolds.size(), 1);
+    gathers_.note();
     links_.link(world.contacts, world.bodies.roles);
     links_.gather(world.contacts, world.bodies.roles, all ? all_ : stiff_.marks());
     local_of_slot_.assign(world.bodies.roles.size(), kNoBody);
@@ -115,9 +120,10 @@ void DirectIslands::consider(const Island& island, const DirectWorld& world, con
     const IslandShape shape = look_at_island(world, bodies, manifolds, step);
     // An impact presses harder than the island weighs, but not for long.
     const SagLaw law = law_of(step);
-    double most = 0.0, excess = 0.0;
+    double most = 0.0, excess = 0.0, pressed = 0.0;
     for (const std::uint32_t m : manifolds) {
         const ContactPair& pair = world.contacts.pairs[world.contacts.manifolds[m].pair];
+        pressed = std::max(pressed, stiff_.loads()[m]);
         const double load = std::min(stiff_.loads()[m], shape.weight);
         most = std::max(most, load);
         excess = std::max(excess, law.excess(pair, world.proxies, world.bodies, load));
@@ -139,6 +145,7 @@ void DirectIslands::consider(const Island& island, const DirectWorld& world, con
         ++counts_.moving;
         return;
     }
+    memory.struck = pressed > kStruck * shape.weight;
     memory.stiffness = stiffness_of(shape, step);
     memory.too_large = !analyse(memory, island, world, choice.budget);
     if (memory.too_large) {
@@ -209,10 +216,10 @@ bool DirectIslands::analyse(Memory& memory, const Island& island, const DirectWo
 bool DirectIslands::solve_directly(Memory& memory, const IslandLists& island, const DirectWorld& world, const DirectStep& step) {
     fill_problem(world, island, memory.stiffness, step, memory.problem);
     memory.result = memory.newton.solve(memory.problem, memory.stiffness.tolerances);
-    if (memory.result.converged) return true;
-    // What stopped a fall in the step before is no force to start from.
-    for (const std::uint32_t m : island.manifolds) world.contacts.impulses[m] = {};
-    return false;
+    if (!memory.result.converged && memory.struck) {
+        for (const std::uint32_t m : island.manifolds) world.contacts.impulses[m] = {};
+    }
+    return memory.result.converged;
 }
 
 void DirectIslands::solve_by_impulses(Memory& memory, const IslandLists& island, const DirectWorld& world, const DirectStep& step) {
@@ -255,9 +262,14 @@ void DirectIslands::solve(const DirectWorld& world, const DirectStep& step, Exec
             any_held_ = true;
         } else {
             ++counts_.fell_back;
-            leave_alone(memory, kLongestWait);
+            leave_alone(memory, links_.bodies(task.island).size() <= kFewBodies ? kLongestWaitOfFew : kLongestWait);
         }
     }
+}
+
+void DirectIslands::trim() noexcept {
+    stiff_.trim();
+    if (gathers_.take_seldom()) links_.drop_islands();
 }
 
 std::size_t DirectIslands::memory() const noexcept {

@@ -44,6 +44,8 @@ public:
     /// The same for all slots; empty where none is.
     [[nodiscard]] std::span<const unsigned char> held() const noexcept { return any_held_ ? std::span<const unsigned char>{held_} : std::span<const unsigned char>{}; }
     [[nodiscard]] const DirectCounts& counts() const noexcept { return counts_; }
+    /// Gives back what steps seldom have use for, but for what is remembered of islands.
+    void trim() noexcept;
     [[nodiscard]] std::size_t memory() const noexcept;
 
 private:
@@ -53,6 +55,7 @@ private:
         std::uint64_t last_step = 0;   // that it was looked at
         std::uint64_t wait_until = 0;  // it is left to the soft solver before this step
         std::uint64_t wait = 0;        // that many steps the last time
+        bool struck = false;           // in the step before
         bool too_large = false;        // the last time that its graph was looked at
         std::uint64_t refused_until = 0;  // and is taken to be, before this step, unless it has shrunk from so many bodies and contacts between them
         std::size_t refused_bodies = 0, refused_joints = 0;
@@ -84,6 +87,7 @@ private:
     std::uint64_t step_ = 0;
     ContactMethod method_ = ContactMethod::Automatic;
     IslandLinks links_;
+    Uses gathers_;
     StiffContacts stiff_;
     std::vector<unsigned char> all_;  // marks of every manifold, with ContactMethod::Direct
     std::vector<unsigned char> held_, held_before_;  // by slot

@@ -28,17 +28,16 @@ struct Surfaces {
 
 Surfaces surfaces_of(const ProxySet& proxies, const ContactPair& pair, const Manifold& manifold) {
     const auto surface = [&](std::uint32_t slot, std::uint16_t part) {
-        const Proxy& proxy = proxies.by_slot[slot];
-        return surface_of_part(proxy.surface, compound_of(proxy.shape), part);
+        return surface_of_part(proxies.surfaces[slot], part);
     };
-    const Surface a = surface(pair.proxy_a, manifold.part_a), b = surface(pair.proxy_b, manifold.part_b);
+    const Surface a = surface(pair.proxy_a(), manifold.part_a), b = surface(pair.proxy_b(), manifold.part_b);
     const Surface met = combine(a, b);
     return {static_cast<double>(met.friction), static_cast<double>(met.restitution)};
 }
 
 
 double extent_of(const ProxySet& proxies, const ContactPair& pair) {
-    return std::min(proxies.extents[pair.proxy_a], proxies.extents[pair.proxy_b]);
+    return std::min(proxies.extents[pair.proxy_a()], proxies.extents[pair.proxy_b()]);
 }
 
 void fill_body(const BodyArrays& bodies, std::uint32_t slot, const DirectStep& step, DirectBody& body) {
@@ -85,14 +84,14 @@ IslandShape look_at_island(const DirectWorld& world, std::span<const std::uint32
         const Manifold& manifold = world.contacts.manifolds[m];
         const ContactPair& pair = world.contacts.pairs[manifold.pair];
         shape.extent = std::min(shape.extent, extent_of(world.proxies, pair));
-        for (const std::uint32_t slot : {pair.proxy_a, pair.proxy_b}) {
+        for (const std::uint32_t slot : {pair.proxy_a(), pair.proxy_b()}) {
             if (world.bodies.roles[world.proxies.bodies[slot]] == Role::Dynamic) shape.largest = std::max(shape.largest, world.proxies.by_slot[slot].reach);
         }
         if (shape.impact || pair.passes || surfaces_of(world.proxies, pair, manifold).restitution <= 0.0) continue;
         const BodyState& a = world.bodies.states[pair.body_a.slot];
         const BodyState& b = world.bodies.states[pair.body_b.slot];
         for (const ContactPoint& point : manifold.used()) {
-            const dvec3 at = world.proxies.poses[pair.proxy_a].position + dvec3{point.position};
+            const dvec3 at = world.proxies.poses[pair.proxy_a()].position + dvec3{point.position};
             shape.impact |= glm::dot(point_velocity(b, at) - point_velocity(a, at), dvec3{manifold.normal}) < -threshold;
         }
     }
@@ -135,7 +134,7 @@ void fill_problem(const DirectWorld& world, const IslandLists& island, const Isl
         const double push_limit = step.max_push * extent_of(world.proxies, pair) / dt;
         for (std::size_t k = 0; k < world.contacts.solved_points(m); ++k) {
             const ContactPoint& point = manifold.points[k];
-            const dvec3 at = world.proxies.poses[pair.proxy_a].position + dvec3{point.position};
+            const dvec3 at = world.proxies.poses[pair.proxy_a()].position + dvec3{point.position};
             const auto separation = static_cast<double>(point.separation);
             c.arm_a = at - a.pose.position;
             c.arm_b = at - b.pose.position;

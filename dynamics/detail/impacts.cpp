@@ -48,20 +48,20 @@ std::uint32_t Impacts::flyer_of(std::uint32_t slot, const BodyArrays& bodies) {
 }
 
 Impacts::Bouncer Impacts::make_bouncer(const Manifold& manifold, const ContactPair& pair, const ProxySet& proxies, const BodyArrays& bodies) {
-    const Proxy& a = proxies.by_slot[pair.proxy_a];
-    const Proxy& b = proxies.by_slot[pair.proxy_b];
+    const Proxy& a = proxies.by_slot[pair.proxy_a()];
+    const Proxy& b = proxies.by_slot[pair.proxy_b()];
     Bouncer bouncer;
-    bouncer.a = flyer_of(a.body, bodies);
-    bouncer.b = flyer_of(b.body, bodies);
+    bouncer.a = flyer_of(pair.body_a.slot, bodies);
+    bouncer.b = flyer_of(pair.body_b.slot, bodies);
     bouncer.pair = manifold.pair;
     bouncer.normal = dvec3{manifold.normal};
-    bouncer.touch = kTouchShare * std::min(a.extent, b.extent);
+    bouncer.touch = kTouchShare * std::min(proxies.extents[pair.proxy_a()], proxies.extents[pair.proxy_b()]);
     bouncer.radius_a = radius_of(a.shape);
     bouncer.radius_b = radius_of(b.shape);
     bouncer.count = manifold.count;
     bouncer.two_spheres = bouncer.radius_a > 0.0 && bouncer.radius_b > 0.0;
     bouncer.between = (bouncer.radius_a + bouncer.radius_b + static_cast<double>(manifold.points[0].separation)) * bouncer.normal;
-    const dvec3& origin = proxies.poses[pair.proxy_a].position;
+    const dvec3& origin = proxies.poses[pair.proxy_a()].position;
     const dvec3 from_a = origin - flyers_[bouncer.a].center, from_b = origin - flyers_[bouncer.b].center;
     for (std::uint32_t k = 0; k < manifold.count; ++k) {
         const dvec3 position{manifold.points[k].position};
@@ -78,13 +78,11 @@ void Impacts::list(const ContactSet& contacts, const ProxySet& proxies, const Bo
     bouncers_.clear();
     events_.clear();
     for (const ContactPair& pair : contacts.pairs) {
-        if (pair.passes || (proxies.bounces[pair.proxy_a] | proxies.bounces[pair.proxy_b]) == 0) continue;
-        const Proxy& a = proxies.by_slot[pair.proxy_a];
-        const Proxy& b = proxies.by_slot[pair.proxy_b];
+        if (pair.passes || (proxies.bounces[pair.proxy_a()] | proxies.bounces[pair.proxy_b()]) == 0) continue;
+        const ProxySurface &a = proxies.surfaces[pair.proxy_a()], &b = proxies.surfaces[pair.proxy_b()];
         for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
             const Manifold& manifold = contacts.manifolds[m];
-            const Surface met = combine(surface_of_part(a.surface, compound_of(a.shape), manifold.part_a),
-                                        surface_of_part(b.surface, compound_of(b.shape), manifold.part_b));
+            const Surface met = combine(surface_of_part(a, manifold.part_a), surface_of_part(b, manifold.part_b));
             if (!(met.restitution > 0.0f)) continue;
             Bouncer& bouncer = bouncers_.emplace_back(make_bouncer(manifold, pair, proxies, bodies));
             bouncer.restitution = static_cast<double>(met.restitution);

@@ -40,6 +40,8 @@ public:
     [[nodiscard]] std::span<const std::uint32_t> manifolds(const Island& i) const noexcept {
         return std::span{manifolds_}.subspan(i.first_manifold, i.manifold_count);
     }
+    /// Forgets the islands, and gives their memory back.
+    void drop_islands() noexcept { drop(islands_, bodies_, manifolds_, island_of_); }
     [[nodiscard]] std::size_t memory() const noexcept { return sets_.memory() + held_by(island_of_, islands_, bodies_, manifolds_); }
 
 private:

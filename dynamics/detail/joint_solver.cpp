@@ -107,7 +107,7 @@ JointEnd JointSolver::end_of(BodyId body, const dvec3& anchor, const BodyArrays&
     JointEnd end;
     end.local = anchor;
     if (!body) return end;
-    end.local = inverse_transform_point(bodies.masses[body.slot].principal, anchor);
+    end.local = inverse_transform_point(bodies.principal(body.slot), anchor);
     if (bodies.roles[body.slot] == Role::Dynamic) {
         end.body = local_[body.slot];
         return end;

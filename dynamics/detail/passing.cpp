@@ -70,15 +70,15 @@ MovingShape moving(const ProxySet& proxies, std::uint32_t proxy, const BodyState
 
 bool Passing::passes(const ContactPair& pair, const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies, const Motion& motion) {
     const TwoBodies two(bodies, pair.body_a.slot, pair.body_b.slot, motion);
-    const double dt = motion.dt, extent = std::min(proxies.extents[pair.proxy_a], proxies.extents[pair.proxy_b]);
+    const double dt = motion.dt, extent = std::min(proxies.extents[pair.proxy_a()], proxies.extents[pair.proxy_b()]);
     bool may_miss = false;
     for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
-        const Ahead ahead = look_ahead(contacts.manifolds[m], proxies.poses[pair.proxy_a].position, two, extent, dt);
+        const Ahead ahead = look_ahead(contacts.manifolds[m], proxies.poses[pair.proxy_a()].position, two, extent, dt);
         if (ahead.lies) return false;
         may_miss = may_miss || ahead.may_miss;
     }
     if (!may_miss) return false;
-    return !may_touch(first_touch(moving(proxies, pair.proxy_a, two.a, two.pull_a, dt), 0, moving(proxies, pair.proxy_b, two.b, two.pull_b, dt), {}, cores_).status);
+    return !may_touch(first_touch(moving(proxies, pair.proxy_a(), two.a, two.pull_a, dt), 0, moving(proxies, pair.proxy_b(), two.b, two.pull_b, dt), {}, cores_).status);
 }
 
 void Passing::find(ContactSet& contacts, const ContactChanges* changes, const ProxySet& proxies, const BodyArrays& bodies, const Motion& motion,
@@ -87,7 +87,7 @@ void Passing::find(ContactSet& contacts, const ContactChanges* changes, const Pr
     const auto is_mesh = [&](std::uint32_t proxy) { return type_of(*proxies.shapes[proxy]) == ShapeType::TriangleMesh; };
     const auto list = [&](std::uint32_t p) {
         const ContactPair& pair = contacts.pairs[p];
-        if (pair.predicted && proxies.kinds[pair.proxy_b] != ProxyKind::Plane && !(is_mesh(pair.proxy_a) && is_mesh(pair.proxy_b))) found_.push_back(p);
+        if (pair.predicted && proxies.kinds[pair.proxy_b()] != ProxyKind::Plane && !(is_mesh(pair.proxy_a()) && is_mesh(pair.proxy_b()))) found_.push_back(p);
     };
     if (changes == nullptr) {
         for (std::uint32_t p = 0; p < contacts.pairs.size(); ++p) list(p);

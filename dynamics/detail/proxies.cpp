@@ -70,10 +70,10 @@ void keep_origin_near(ProxySet& set, const BodyArrays& bodies) {
     for (std::size_t i = 0; i < set.by_slot.size(); ++i) {
         any_listed |= set.listed[i] != 0;
         if (set.kinds[i] != ProxyKind::Bounded) continue;
-        const Proxy& proxy = set.by_slot[i];
-        const dvec3& at = bodies.states[proxy.body].pose.position;
-        all = merge(all, {at - proxy.reach, at + proxy.reach});
-        if (has_mass(bodies.roles[proxy.body])) dynamic = merge(dynamic, {at, at});
+        const double reach = set.by_slot[i].reach;
+        const dvec3& at = bodies.states[set.bodies[i]].pose.position;
+        all = merge(all, {at - reach, at + reach});
+        if (has_mass(bodies.roles[set.bodies[i]])) dynamic = merge(dynamic, {at, at});
     }
     const dvec3 middle = is_empty(dynamic) ? dvec3{0.0} : 0.5 * dynamic.lower + 0.5 * dynamic.upper;
     if (any_listed && (is_empty(all) || glm::length(middle - set.origin) <= glm::length(all.upper - all.lower))) return;
@@ -100,14 +100,14 @@ double most_way(double pull, const CalmRule& rule) { return std::isinf(rule.most
 bool stays(ProxySet& set, std::uint32_t i, const BodyArrays& bodies, const Motion& motion, const CalmRule& rule) {
     const Anchor& anchor = set.anchors[i];
     if (anchor.room < 0.0) return false;
-    const Proxy& proxy = set.by_slot[i];
-    const BodyState& state = bodies.states[proxy.body];
+    const std::uint32_t body = set.bodies[i];
+    const BodyState& state = bodies.states[body];
     const dquat turn = state.pose.orientation * glm::conjugate(anchor.orientation);
     const double chord = 2.0 * glm::length(dvec3{turn.x, turn.y, turn.z});  // of a point one metre from the centre
     const double drift = glm::length(state.pose.position - anchor.position) + turning_reach(set, bodies, i) * chord;
-    const double way = speed_of(set, bodies, i) * motion.dt, pull = pull_of(motion_of(bodies, proxy.body, motion));
+    const double way = speed_of(set, bodies, i) * motion.dt, pull = pull_of(motion_of(bodies, body, motion));
     if (!(drift + way <= anchor.room && pull <= anchor.pull && way <= most_way(pull, rule))) return false;
-    set.poses[i] = state.pose * proxy.local;
+    set.poses[i] = state.pose * set.by_slot[i].local;
     set.drift[i] = drift;
     set.stay[i] = anchor.room + drift;
     set.motion[i] = set.stay[i] + anchor.pull;
@@ -164,7 +164,7 @@ void list_changes(ProxySet& set) {
 
 }  // namespace
 
-void put_proxy(ProxySet& set, Proxy proxy, const ProxyFilter& filter) {
+void put_proxy(ProxySet& set, NewProxy proxy, const ProxyFilter& filter) {
     const std::uint32_t slot = proxy.id.slot;
     drop_proxy(set, slot);
     if (set.by_slot.size() <= slot) {
@@ -200,13 +200,13 @@ void put_proxy(ProxySet& set, Proxy proxy, const ProxyFilter& filter) {
     ++set.versions[slot];
     set.boxlike[slot] = type_of(proxy.shape) == ShapeType::Box ? 1 : 0;
     set.bounces[slot] = bounces(proxy.shape, proxy.surface.restitution) ? 1 : 0;
-    set.bodies[slot] = proxy.body;
+    set.bodies[slot] = proxy.owner.slot;
     const bool is_ball = type_of(proxy.shape) == ShapeType::Sphere && proxy.local.position == dvec3{0.0};
     set.surfaces[slot] = {proxy.surface, compound_of(proxy.shape), is_ball};
     set.owners[slot] = {proxy.id, proxy.owner};
     set.extents[slot] = proxy.extent;
     set.firmness[slot] = is_curved(proxy.shape) ? kCurvedFirmness : 1.0;
-    set.by_slot[slot] = std::move(proxy);
+    set.by_slot[slot] = std::move(static_cast<Proxy&>(proxy));
     set.changed = true;
 }
 
@@ -250,9 +250,10 @@ void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& 
         for (std::size_t k = begin; k < end; ++k) {
             const std::uint32_t i = set.moved[k];
             const Proxy& proxy = set.by_slot[i];
-            const BodyState& state = bodies.states[proxy.body];
-            const bool is_static = lies_still(bodies.roles[proxy.body]);
-            const double pull = pull_of(motion_of(bodies, proxy.body, motion));
+            const std::uint32_t body = set.bodies[i];
+            const BodyState& state = bodies.states[body];
+            const bool is_static = lies_still(bodies.roles[body]);
+            const double pull = pull_of(motion_of(bodies, body, motion));
             const double room = rule.share > 0.0 && !is_static ? room_for(set, bodies, i, pull, motion.dt, rule) : -1.0;
             const bool calms = room > 0.0;
             set.anchors[i] = {state.pose.position, state.pose.orientation, calms ? room : -1.0, pull};
@@ -269,7 +270,7 @@ void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& 
         sweep_boxes({boxes.data(), count}, motion.dt, set.origin);
     });
     for (const std::uint32_t p : set.planes) {
-        set.poses[p] = bodies.states[set.by_slot[p].body].pose * set.by_slot[p].local;
+        set.poses[p] = bodies.states[set.bodies[p]].pose * set.by_slot[p].local;
         set.stale[p] = 0;
     }
 }

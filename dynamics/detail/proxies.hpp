@@ -12,11 +12,13 @@
 #include <carom/dynamics/detail/body_state.hpp>
 #include <carom/dynamics/detail/contact_set.hpp>
 #include <carom/dynamics/detail/part_surface.hpp>
+#include <carom/dynamics/detail/scratch_pool.hpp>
 #include <carom/narrowphase/collide.hpp>
 
 #include <algorithm>
 #include <cstdint>
 #include <limits>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -42,15 +44,18 @@ enum class Role : unsigned char { Absent, Static, Kinematic, Dynamic, Asleep };
 }
 
 struct Proxy {
-    ShapeId id;                    ///< null: the slot is free
-    BodyId owner;
-    std::uint32_t body = 0;        ///< slot of the owner
     Shape shape;                   ///< a copy, which stays valid whatever comes and goes; what is large in it is shared
     Pose local{};                  ///< of the shape in its body's principal frame
     double reach = 0.0;            ///< farthest point from the centre of mass [m]
+    Resistance resistance;
+};
+
+/// One that comes, with what ProxySet keeps of it in lists of their own.
+struct NewProxy : Proxy {
+    ShapeId id;
+    BodyId owner;
     double extent = 0.0;           ///< smallest extent of the shape [m]
     Surface surface;
-    Resistance resistance;
 };
 
 /// Bodies of a step, all indexed by slot.
@@ -59,6 +64,14 @@ struct BodyArrays {
     std::vector<BodyMass> masses;
     std::vector<Role> roles;
     std::vector<BodyTraits> traits;  ///< empty while no body asks for any or has locked axes, which costs nothing then
+    std::vector<Pose> principals;    ///< of principal frames in their bodies' own; empty while no body has another than its own
+
+    [[nodiscard]] Pose principal(std::size_t slot) const noexcept { return principals.empty() ? Pose{} : principals[slot]; }
+    void set_principal(std::size_t slot, const Pose& frame) {
+        if (principals.empty() && frame == Pose{}) return;
+        if (principals.size() < states.size()) principals.resize(states.size());
+        principals[slot] = frame;
+    }
 
     /// @return what pulls a dynamic body beside its contacts [m/s²].
     [[nodiscard]] dvec3 acceleration(std::size_t slot, const dvec3& gravity) const noexcept {
@@ -83,6 +96,11 @@ struct ProxySurface {
     const Compound* compound = nullptr;  ///< whose parts may have surfaces of their own
     bool is_ball = false;                ///< a sphere about the centre of mass: it looks the same however it turns
 };
+
+/// @param part  as Manifold names it.
+[[nodiscard]] inline Surface surface_of_part(const ProxySurface& surface, std::uint16_t part) noexcept {
+    return surface_of_part(surface.surface, surface.compound, part);
+}
 
 /// Where a body was when the box of its shape was made for more than a step, and how far the shape's points may come from there until it has to be made anew.
 struct Anchor {
@@ -130,7 +148,7 @@ struct ProxySet {
 };
 
 /// Puts a proxy at its shape's slot, in place of what is there. Amortised O(1), but for planes, which are kept sorted.
-void put_proxy(ProxySet& set, Proxy proxy, const ProxyFilter& filter);
+void put_proxy(ProxySet& set, NewProxy proxy, const ProxyFilter& filter);
 /// Frees a slot; nothing where it is free.
 void drop_proxy(ProxySet& set, std::uint32_t slot);
 
@@ -188,7 +206,12 @@ using CandidateParts = std::vector<CandidatePart>;
 /// extent: contacts predicted from farther away would stop bodies that only pass by; and beside it, where both have room or lie still, what they may move
 /// until they are looked at again. Otherwise that is in the next step.
 void list_candidates(const ProxySet& set, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt, Executor& executor,
-                     CandidateParts& parts, std::vector<NumberedPair>& out);
+                     CandidateParts& parts, ScratchList<NumberedPair>& out);
+
+/// After the step: what it listed of two slots, by a < b but for planes, which come last. Steps keep no list of them.
+/// @return nothing where they were no candidate.
+[[nodiscard]] std::optional<NumberedPair> find_candidate(const ProxySet& set, const BodyArrays& bodies, std::span<const ProxyPair> found, double dt,
+                                                         std::uint32_t a, std::uint32_t b);
 
 /// @return how far the two may have come together from where their boxes were made before their contact is looked at again: `share` of the smaller shape's
 /// smallest extent, less of a curved one's [m].
@@ -210,6 +233,7 @@ struct CandidateNames {
 /// Numbers each candidate by the same pair of the same two shapes in the step before, and gives it the slack `share` times the smaller
 /// shape's smallest extent, but for two boxes, and for what bounces and is not calm: a contact ahead of its time would slow it down.
 /// @return whether there are any but those: otherwise nothing is numbered.
+[[nodiscard]] float slack_of(const ProxySet& set, double share, const NumberedPair& pair) noexcept;
 bool name_candidates(const ProxySet& set, double share, std::span<NumberedPair> candidates, CandidateNames& names, Executor& executor);
 
 /// @return the pair of a candidate.

@@ -56,15 +56,15 @@ void RollingRows::list(const RollingInput& input, double h) {
     find_lanes(input);
     std::size_t old = 0;
     for (const ContactPair& pair : input.contacts.pairs) {
-        const Resistance resistance = combine(input.proxies.by_slot[pair.proxy_a].resistance, input.proxies.by_slot[pair.proxy_b].resistance);
+        const Resistance resistance = combine(input.proxies.by_slot[pair.proxy_a()].resistance, input.proxies.by_slot[pair.proxy_b()].resistance);
         if (!resists(resistance)) continue;
         for (std::uint32_t number = 0; number < pair.manifold_count; ++number) {
             const std::uint32_t place = place_[pair.first_manifold + number];
             if (place == kNowhere) continue;
             Row& row = rows_.emplace_back();
             row.key = pair.key;
-            row.shape_a = pair.shape_a;
-            row.shape_b = pair.shape_b;
+            row.shape_a = pair.shape_a();
+            row.shape_b = pair.shape_b();
             row.number = number;
             row.bundle = place / kLanesPerBundle;
             row.lane = place % kLanesPerBundle;

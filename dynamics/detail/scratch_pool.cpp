@@ -33,19 +33,20 @@ ScratchPool::Block ScratchPool::take(std::size_t size) {
         held_ += out.size;
         ++blocks_;
     }
-    taken_ += out.size;
-    most_taken_ = std::max(most_taken_, taken_);
+    out.asked = size;
+    asked_ += size;
+    most_asked_ = std::max(most_asked_, asked_);
     return out;
 }
 
 void ScratchPool::give_back(Block block) noexcept {
-    taken_ -= block.size;
+    asked_ -= block.asked;
     free_.push_back(block);
 }
 
 void ScratchPool::trim() noexcept {
-    if (held_ > most_taken_ + most_taken_ / 4 + kFew) drop();
-    most_taken_ = taken_;
+    if (held_ > most_asked_ + most_asked_ / 4 + kFew) drop();
+    most_asked_ = asked_;
 }
 
 void ScratchPool::drop() noexcept {

@@ -14,7 +14,9 @@
 // A step asks for about what the step before did, so nothing is allocated once that is known. One thread takes and gives back.
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
+#include <cstring>
 #include <span>
 #include <type_traits>
 #include <utility>
@@ -27,7 +29,8 @@ public:
     static constexpr std::size_t kAlignment = 64;
     struct Block {
         std::byte* data = nullptr;
-        std::size_t size = 0;  ///< [bytes]
+        std::size_t size = 0;   ///< [bytes]
+        std::size_t asked = 0;  ///< of these
     };
 
     ScratchPool() = default;
@@ -38,7 +41,7 @@ public:
     /// @return the smallest block that is free and has `size` bytes; where there is none, a new one in place of the largest that is free.
     [[nodiscard]] Block take(std::size_t size);
     void give_back(Block block) noexcept;
-    /// Frees all that nobody has, where that is much more than was had at once since the last call (room.hpp).
+    /// Frees all that nobody has, where much more is held than was asked for at once since the last call: what asks for little may have a large block.
     void trim() noexcept;
     /// Held, by whomever [bytes].
     [[nodiscard]] std::size_t memory() const noexcept { return held_; }
@@ -48,7 +51,7 @@ private:
     void free(Block block) noexcept;
 
     std::vector<Block> free_;
-    std::size_t held_ = 0, taken_ = 0, most_taken_ = 0;  // [bytes]
+    std::size_t held_ = 0, asked_ = 0, most_asked_ = 0;  // [bytes]
     std::size_t blocks_ = 0;                             // there are, free or had
 };
 
@@ -79,8 +82,26 @@ public:
         }
         size_ = size;
     }
+    /// Room for so many; what is in it stays.
+    void reserve(std::size_t size) {
+        if (size * sizeof(T) <= block_.size) return;
+        const ScratchPool::Block more = pool_->take(size * sizeof(T));
+        if (size_ > 0) std::memcpy(more.data, block_.data, size_ * sizeof(T));
+        if (block_.data != nullptr) pool_->give_back(block_);
+        block_ = more;
+    }
+    /// Half as much room again where there is none.
+    void push_back(const T& value) {
+        if ((size_ + 1) * sizeof(T) > block_.size) reserve(size_ + size_ / 2 + 64);
+        data()[size_++] = value;
+    }
     /// The first `size` of what is there.
     void shorten(std::size_t size) noexcept { size_ = size; }
+    /// The others stay in their order.
+    template <class Goes>
+    void erase_if(const Goes& goes) {
+        size_ = static_cast<std::size_t>(std::remove_if(begin(), end(), goes) - begin());
+    }
     void swap(ScratchList& other) noexcept { std::swap(pool_, other.pool_), std::swap(block_, other.block_), std::swap(size_, other.size_); }
     /// Gives the memory back. It is empty then.
     void release() noexcept {

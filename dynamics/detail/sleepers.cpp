@@ -85,7 +85,7 @@ void Sleepers::wake_by_others(const ProxySet& proxies, double dt, BodyArrays& bo
 void Sleepers::wake_near(const ProxySet& proxies, std::uint32_t proxy, double dt, BodyArrays& bodies) {
     if (proxies.kinds[proxy] == ProxyKind::None) return;
     const Proxy& other = proxies.by_slot[proxy];
-    const BodyState& owner = bodies.states[other.body];
+    const BodyState& owner = bodies.states[proxies.bodies[proxy]];
     const Pose pose = owner.pose * other.local;
     const bool is_plane = proxies.kinds[proxy] == ProxyKind::Plane;
     const Aabb box = is_plane ? Aabb{} : bounds(other.shape, pose);
@@ -132,8 +132,8 @@ void Sleepers::sync(const BodyArrays& bodies, ProxySet& proxies) noexcept {
     }
 }
 
-void Sleepers::drop_idle(const ProxySet& proxies, const BodyArrays& bodies, std::vector<NumberedPair>& candidates) {
-    std::erase_if(candidates, [&](const NumberedPair& pair) {
+void Sleepers::drop_idle(const ProxySet& proxies, const BodyArrays& bodies, ScratchList<NumberedPair>& candidates) {
+    candidates.erase_if([&](const NumberedPair& pair) {
         const std::uint32_t a = proxies.bodies[pair.a], b = proxies.bodies[pair.b];
         const bool meet = (has_mass(bodies.roles[a]) && stirs(bodies, b)) || (has_mass(bodies.roles[b]) && stirs(bodies, a));
         return !meet && bodies.roles[a] != Role::Dynamic && bodies.roles[b] != Role::Dynamic;

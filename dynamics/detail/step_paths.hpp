@@ -20,6 +20,7 @@ struct BodyStep {
     BodyState moved;  ///< as the solver left it
     FreeMotion motion;
     BodyMass mass;
+    Pose principal;
     Role role = Role::Absent;
     bool flies = false;  ///< all the way: nothing has moved it since
     FollowFinding follow;

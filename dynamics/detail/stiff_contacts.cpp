@@ -38,7 +38,7 @@ double SagLaw::excess(const ContactPair& pair, const ProxySet& proxies, const Bo
     const double inverse_a = bodies.masses[pair.body_a.slot].inverse_mass, inverse_b = bodies.masses[pair.body_b.slot].inverse_mass;
     const double rate = 2.0 * kPi * contact_rate / substep;
     const double stiffer = inverse_a == 0.0 || inverse_b == 0.0 ? 4.0 : 1.0;
-    const double most = share * std::min(proxies.extents[pair.proxy_a], proxies.extents[pair.proxy_b]);
+    const double most = share * std::min(proxies.extents[pair.proxy_a()], proxies.extents[pair.proxy_b()]);
     return load * (inverse_a + inverse_b) / (stiffer * rate * rate * most);
 }
 
@@ -98,6 +98,7 @@ void StiffContacts::add_up_weights(const ContactSet& contacts, const BodyArrays&
         falling[resting++] = slot;
     }
     keys = keys.first(resting), falling = falling.first(resting);
+    sorts_.note();
     radix_sort(keys, falling, scratch_);
     for (const std::uint32_t slot : falling) {
         const std::uint32_t begin = first_below[slot], end = first_below[slot + 1];

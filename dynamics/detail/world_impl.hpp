@@ -17,6 +17,7 @@
 #include <carom/dynamics/detail/part_surface.hpp>
 #include <carom/dynamics/detail/passing.hpp>
 #include <carom/dynamics/detail/proxies.hpp>
+#include <carom/dynamics/detail/shape_list.hpp>
 #include <carom/dynamics/detail/share_choice.hpp>
 #include <carom/dynamics/detail/sleepers.hpp>
 #include <carom/dynamics/detail/step.hpp>
@@ -26,6 +27,7 @@
 #include <carom/narrowphase/collide.hpp>
 
 #include <algorithm>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -36,9 +38,9 @@ namespace dynamics {
 /// A body as users know it; its state is in BodyArrays, at the id's slot.
 struct BodyRecord {
     BodyType type = BodyType::Static;
-    std::string name;
-    std::vector<ShapeId> shapes;
     bool quarantined = false;
+    std::unique_ptr<const std::string> name;  ///< null: it has none
+    ShapeList shapes;
 };
 
 struct ShapeRecord {
@@ -47,9 +49,8 @@ struct ShapeRecord {
     ShapeDef def;
 };
 
-/// The last pose of a body from which a step could go on, and its velocity there.
+/// The last pose of a body from which a step could go on, and its velocity there; where there was none, the origin.
 struct ValidPose {
-    BodyId id;
     Pose pose;
     dvec3 velocity{0.0};
 };
@@ -219,13 +220,12 @@ struct World::Impl {
     dynamics::Census census;
     dynamics::ProxySet proxies;
     Broadphase broadphase;
-    std::vector<NumberedPair> candidates;
     dynamics::CandidateParts candidate_parts;
     dynamics::CandidateNames names;
     CollideScratch collide_scratch;
     dynamics::ContactSet contacts;
     dynamics::ScratchPool scratch;         // of stages
-    dynamics::ScratchList<NumberedPair> looked{scratch};  // candidates that are looked at where contacts are kept
+    dynamics::ScratchList<NumberedPair> candidates{scratch};  // until contacts are found; those that are looked at where the others are kept
     dynamics::CarriedContacts previous{scratch};  // of the step before, while those of this one are found
     std::vector<Manifold> last_manifolds;  // of the step before, where pairs of it may be carried along; else empty
     dynamics::ContactChanges contact_changes;
@@ -233,6 +233,7 @@ struct World::Impl {
     bool contacts_held = false;   // so it was when this step began
     bool pairs_complete = false;  // the broadphase listed all
     std::vector<unsigned char> displaced;  // by slot: bodies that others than the contact solver put where they are
+    dynamics::Uses whole_looks;               // steps that find all contacts anew
     bool taken_over = false, patched = false;  // in this step: whether `previous` has the contacts of the step before, or `contacts` still are those
     bool carries = false;                     // when it began, the candidates of the step before had names
     dynamics::Passing passing;

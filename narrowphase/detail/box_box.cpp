@@ -154,6 +154,7 @@ struct Work {
         const Call call{input, workspace, out, out.size(), lanes};
         near.faces.count = near.edges.count = 0;
         near.listed = 0;
+        near.faces.steady = input.placed.steady;
         near.all_finite = true;
         any_hole = false;
         for (std::size_t begin = 0; begin < chosen.size(); begin += kBlock) {
@@ -206,7 +207,7 @@ void box_box_single(const ShapePair& pair, std::uint32_t index, Workspace& works
     const NumberedPair numbered{.a = 0, .b = 1, .margin = pair.margin};
     const std::uint32_t first = 0;
     const std::size_t before = out.size();
-    thread_work().collide({.placed = {shapes, poses}, .pairs = {&numbered, 1}}, {&first, 1}, workspace, out, BoxLanes::First);
+    thread_work().collide({.placed = {shapes, poses, pair.steady}, .pairs = {&numbered, 1}}, {&first, 1}, workspace, out, BoxLanes::First);
     if (out.size() > before) out.data()[before].pair = index;
 }
 

@@ -50,6 +50,7 @@ struct BoxPairBlock {
     Column unit = {};            ///< metres of a unit of the above, a power of two
     std::size_t count = 0;       ///< beyond are lanes that hold anything finite or not
     bool any_unusual = false;    ///< otherwise `unusual` is not to be read
+    bool steady = false;         ///< as in PlacedShapes
 
     /// Forgets the pairs before bundle `first`, after which there are fewer than a bundle's, or none.
     void drop_before(std::size_t first) noexcept;

@@ -54,27 +54,31 @@ HWY_INLINE HalfFloats to_half(Doubles a) { return hn::DemoteTo(HalfTag(), a.raw)
 HWY_INLINE Floats joined(const HalfFloats (&parts)[kParts]) { return Floats{hn::Combine(FloatTag(), parts[1], parts[0])}; }
 #endif
 
-// As glm::mat3_cast() has the axes.
+// As glm::mat3_cast() has the axes, to the bit: factors are doubled and not sums, which is exact either way.
 HWY_INLINE void read_axes(const WidePose& pose, HalfFloats (&axis)[9][kParts], int part) {
     const Doubles x = pose.orientation[0], y = pose.orientation[1], z = pose.orientation[2], w = pose.orientation[3];
-    const Doubles xx = x * x, yy = y * y, zz = z * z, xz = x * z, xy = x * y, yz = y * z, wx = w * x, wy = w * y, wz = w * z;
-    const Doubles one(1.0), two(2.0);
-    const Doubles axes[9] = {one - two * (yy + zz), two * (xy + wz),       two * (xz - wy),  //
-                             two * (xy - wz),       one - two * (xx + zz), two * (yz + wx),  //
-                             two * (xz + wy),       two * (yz - wx),       one - two * (xx + yy)};
+    const Doubles x2 = x + x, y2 = y + y, z2 = z + z, one(1.0);
+    const Doubles xx = x * x2, yy = y * y2, zz = z * z2, xz = x * z2, xy = x * y2, yz = y * z2, wx = w * x2, wy = w * y2, wz = w * z2;
+    const Doubles axes[9] = {one - (yy + zz), xy + wz, xz - wy, xy - wz, one - (xx + zz), yz + wx, xz + wy, yz - wx, one - (xx + yy)};
 #pragma GCC unroll 9
     for (int k = 0; k < 9; ++k) axis[k][part] = to_half(axes[k]);
 }
 
+// @tparam one  whether only the first lane counts: what is beyond the first vector of doubles is not read then.
+template <bool one>
 HWY_INLINE WideBoxes read_boxes(const Sources& from_a, const Sources& from_b) {
     HalfFloats axis_a[9][kParts], axis_b[9][kParts], between[3][kParts];
 #pragma GCC unroll 2
-    for (int part = 0; part < kParts; ++part) {
+    for (int part = 0; part < (one ? 1 : kParts); ++part) {
         const WidePose a = read_poses(from_a.pose + part * kDoubleLanes), b = read_poses(from_b.pose + part * kDoubleLanes);
         read_axes(a, axis_a, part);
         read_axes(b, axis_b, part);
 #pragma GCC unroll 3
         for (int i = 0; i < 3; ++i) between[i][part] = to_half(b.position[i] - a.position[i]);
+    }
+    if constexpr (one) {
+        for (int k = 0; k < 9; ++k) axis_a[k][kParts - 1] = axis_a[k][0], axis_b[k][kParts - 1] = axis_b[k][0];
+        for (int i = 0; i < 3; ++i) between[i][kParts - 1] = between[i][0];
     }
     const auto row = [](const HalfFloats(&axis)[9][kParts], int k) {
         return Floats3{joined(axis[k]), joined(axis[k + 1]), joined(axis[k + 2])};
@@ -156,7 +160,17 @@ HWY_INLINE Chosen choose(Ints lanes, Mask m, Ints places) {
     return {hn::IndicesFromVec(IntTag(), load(numbers).raw), load(to), count};
 }
 
-HWY_INLINE void append(const WidePair& pair, const WideBoxes& boxes, const BestAxis& best, Mask unusual, Ints number, const Chosen& chosen,
+// The first lane alone, which stays where it is.
+struct OnlyOne {
+    Ints place;
+    std::size_t count = 1;
+
+    HWY_INLINE Ints of(Ints x) const { return x; }
+    HWY_INLINE Floats of(Floats x) const { return x; }
+};
+
+template <class Lanes>
+HWY_INLINE void append(const WidePair& pair, const WideBoxes& boxes, const BestAxis& best, Mask unusual, Ints number, const Lanes& chosen,
                        BoxPairBlock& out) {
     const std::size_t at = out.count;
     const auto put = [&](Floats x, float* to) { hn::StoreU(chosen.of(x).raw, FloatTag(), to + at); };
@@ -176,10 +190,17 @@ HWY_INLINE void append(const WidePair& pair, const WideBoxes& boxes, const BestA
 }
 
 // Lists the lanes of `kept`: those that meet by edges alone by themselves.
+template <bool one>
 HWY_INLINE void list(const WidePair& pair, const WideBoxes& boxes, const BestAxis& best, Mask unusual, Ints number, Mask kept,
                      BoxesNear& out) {
     alignas(64) std::int32_t dense[kStep];
     const Mask alone = by_edges_alone(pair, best.code) & !unusual;
+    if constexpr (one) {
+        if (none(kept)) return;
+        const bool by_edges = any(alone & kept);
+        append(pair, boxes, best, unusual & kept, number, OnlyOne{Ints(out.listed++)}, by_edges ? out.edges : out.faces);
+        return;
+    }
     const std::size_t count = compress_store(lane_numbers(), kept, dense);  // the places are theirs
     if (count == 0) return;
     const Ints lanes = load(dense), place = lane_numbers() + Ints(out.listed);
@@ -191,7 +212,20 @@ HWY_INLINE void list(const WidePair& pair, const WideBoxes& boxes, const BestAxi
     out.listed += static_cast<std::int32_t>(count);
 }
 
-// Where the boxes of as many pairs as there are lanes lie. Those that follow are fetched: poses are read once, and in any order.
+// Fetches the poses of pairs that follow, lanes [begin, end) of `chosen`: poses are read once, and in any order. A few at a time between other work, since
+// what is more than a core has on its way at once holds up all that comes after.
+HWY_INLINE void fetch(const BatchInput& input, const std::uint32_t* chosen, std::size_t begin, std::size_t end) {
+    const NumberedPair* const pairs = input.pairs.data();
+    const Pose* const poses = input.placed.poses.data();
+    const std::size_t pair_count = input.pairs.size();
+    for (std::size_t l = begin; l < end; ++l) {
+        const NumberedPair& next = pairs[std::min(chosen[l] + kAhead, pair_count - 1)];
+        hwy::Prefetch(&poses[next.a].orientation);
+        hwy::Prefetch(&poses[next.b].orientation);
+    }
+}
+
+// Where the boxes of as many pairs as there are lanes lie.
 struct Bundle {
     Sources a, b;
     alignas(64) float margin[kStep];
@@ -201,12 +235,9 @@ HWY_INLINE void find_sources(const BatchInput& input, const std::uint32_t* chose
     const NumberedPair* const pairs = input.pairs.data();
     const Pose* const poses = input.placed.poses.data();
     const Shape* const* const shapes = input.placed.shapes.data();
-    const std::size_t pair_count = input.pairs.size();
     for (std::size_t l = 0; l < kStep; ++l) {
         const std::size_t i = chosen[l];
-        const NumberedPair &pair = pairs[i], &next = pairs[std::min(i + kAhead, pair_count - 1)];
-        hwy::Prefetch(&poses[next.a].orientation);
-        hwy::Prefetch(&poses[next.b].orientation);
+        const NumberedPair& pair = pairs[i];
         out.a.pose[l] = poses + pair.a, out.b.pose[l] = poses + pair.b;
         out.a.half[l] = &as<Box>(*shapes[pair.a]).half_extents, out.b.half[l] = &as<Box>(*shapes[pair.b]).half_extents;
         out.margin[l] = pair.margin + pair.slack;
@@ -214,7 +245,9 @@ HWY_INLINE void find_sources(const BatchInput& input, const std::uint32_t* chose
     }
 }
 
-void FindNear(const BatchInput& input, std::span<const std::uint32_t> chosen, BoxesNear& out) {
+// @tparam one  whether there is one pair and no more.
+template <bool one>
+HWY_INLINE void find_near(const BatchInput& input, std::span<const std::uint32_t> chosen, BoxesNear& out) {
     Bundle from;
     Mask not_finite = first_lanes(0);
     std::uint32_t last[kStep];
@@ -223,18 +256,28 @@ void FindNear(const BatchInput& input, std::span<const std::uint32_t> chosen, Bo
         if (count < kStep) {  // the last stands in for those that are not there
             for (std::size_t l = 0; l < kStep; ++l) last[l] = chosen[first + std::min(l, count - 1)];
         }
-        find_sources(input, count < kStep ? last : chosen.data() + first, from);
-        const WideBoxes boxes = read_boxes(from.a, from.b);
+        const std::uint32_t* const now = count < kStep ? last : chosen.data() + first;
+        find_sources(input, now, from);
+        const auto fetch_quarter = [&](std::size_t k) __attribute__((always_inline)) {
+            if constexpr (!one) fetch(input, now, k * kStep / 4, (k + 1) * kStep / 4);
+        };
+        fetch_quarter(0);
+        const WideBoxes boxes = read_boxes<one>(from.a, from.b);
+        fetch_quarter(1);
         const Floats margin = load(from.margin);
         const WidePair pair = pair_of(boxes, margin);
         const Mask unusual = is_unusual(boxes, margin), finite = is_finite(pair);
+        fetch_quarter(2);
         const BestAxis best = best_axis(pair);
+        fetch_quarter(3);
         not_finite = not_finite | !(finite | unusual);
         const Mask kept = (((!best.apart) & finite) | unusual) & first_lanes(static_cast<int>(count));
-        list(pair, boxes, best, unusual, load(from.number), kept, out);
+        list<one>(pair, boxes, best, unusual, load(from.number), kept, out);
     }
     if (any(not_finite)) out.all_finite = false;
 }
+void FindNear(const BatchInput& input, std::span<const std::uint32_t> chosen, BoxesNear& out) { find_near<false>(input, chosen, out); }
+void FindOne(const BatchInput& input, std::span<const std::uint32_t> chosen, BoxesNear& out) { find_near<true>(input, chosen, out); }
 
 void FindAxes(BoxPairBlock& block, std::size_t bundle, int lanes) {
     for (std::size_t k = bundle * kBundleWidth; k < bundle * kBundleWidth + static_cast<std::size_t>(lanes); k += kStep) {
@@ -259,10 +302,11 @@ HWY_AFTER_NAMESPACE();
 #if HWY_ONCE
 namespace carom::detail {
 HWY_EXPORT(FindNear);
+HWY_EXPORT(FindOne);
 HWY_EXPORT(FindAxes);
 
 void find_near_boxes(const BatchInput& input, std::span<const std::uint32_t> chosen, BoxesNear& out, BoxLanes lanes) {
-    if (lanes == BoxLanes::First) return CAROM_NARROW_DISPATCH(FindNear)(input, chosen, out);
+    if (lanes == BoxLanes::First) return CAROM_NARROW_DISPATCH(FindOne)(input, chosen.first(1), out);
     HWY_DYNAMIC_DISPATCH(FindNear)(input, chosen, out);
 }
 void find_box_axes(BoxPairBlock& block, std::size_t bundle, BoxLanes lanes) {

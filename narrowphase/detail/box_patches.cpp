@@ -280,7 +280,8 @@ void build_patch(const BoxPairBlock& in, std::size_t at, BoxPatchBundle& out, in
     const Floats one(1.0f), slant(0.381966f), zero(0.0f);  // see outline_start()
     const Mask is_1 = f.axis_a.is_1;
     const Floats3 start{zero, select(is_1, slant, one), select(is_1, one, slant)};
-    const WideChoice chosen = choose_points(candidates, tolerance, dot(start, f.across_u), start.z * f.across_w.z);
+    const Floats overlook = in.steady ? Floats(static_cast<float>(kSteadyCap / static_cast<double>(kWidePointTolerance))) * tolerance : zero;
+    const WideChoice chosen = choose_points(candidates, {tolerance, overlook}, dot(start, f.across_u), start.z * f.across_w.z);
     write_points<4>(p, f, chosen.points, out, lane);
     // Where the corner that is nearest along the axis lies beside the other's face, all points that are left are farther apart than the
     // boxes may be.

@@ -31,16 +31,6 @@ struct WideChoice {
     DoubleMask valid;
 };
 
-struct Scored {
-    Doubles score;
-    WideCandidate point;
-};
-// The first where both score alike.
-HWY_INLINE Scored better_of(const Scored& a, const Scored& b) {
-    const DoubleMask second = b.score > a.score;
-    return {select(second, b.score, a.score), select_point(second, b.point, a.point)};
-}
-
 HWY_INLINE Doubles distance_sq(const WideCandidate& a, const WideCandidate& b) {
     return (b.u - a.u) * (b.u - a.u) + (b.w - a.w) * (b.w - a.w);
 }
@@ -48,20 +38,29 @@ HWY_INLINE Doubles area2(const WideCandidate& a, const WideCandidate& b, const W
     return (b.u - a.u) * (c.w - a.w) - (b.w - a.w) * (c.u - a.u);
 }
 
+// The highest score, and a point of those that score as much, where it is over what was asked for.
+struct Scored {
+    Doubles score;
+    WideCandidate point;
+};
+
 struct Corners {
     WideCandidate at[kCorners];
     DoubleMask reported[kCorners];
 
-    // The first of those reported that score highest: round by round, as each comparison waits for those before it.
-    template <class Score>
-    HWY_INLINE Scored best_of(const Score& score) const {
-        const auto scored = [&](int i) -> Scored {
-            return {select(reported[i], score(at[i]), Doubles(-std::numeric_limits<double>::infinity())), at[i]};
-        };
-        const auto of_four = [&](int i) -> Scored {
-            return better_of(better_of(scored(i), scored(i + 1)), better_of(scored(i + 2), scored(i + 3)));
-        };
-        return better_of(of_four(0), of_four(4));
+    // As best_of() in reduce.hpp: names are in the order of the numbers. The greatest round by round, as each comparison waits for those before it.
+    // @tparam Equal, Score  as there.
+    template <class Equal, class Score>
+    HWY_INLINE Scored best_of(Doubles least, const Equal& equal, const Score& score) const {
+        Doubles scores[kCorners];
+#pragma GCC unroll 8
+        for (int i = 0; i < kCorners; ++i) scores[i] = select(reported[i], score(at[i]), Doubles(-std::numeric_limits<double>::infinity()));
+        const auto of_four = [&](int i) { return greatest(greatest(scores[i], scores[i + 1]), greatest(scores[i + 2], scores[i + 3])); };
+        const Doubles best = greatest(of_four(0), of_four(4)), bar = greatest(equal(best), least);
+        WideCandidate point = at[kCorners - 1];
+#pragma GCC unroll 8
+        for (int i = kCorners - 2; i >= 0; --i) point = select_point(scores[i] > bar, at[i], point);
+        return {best, point};
     }
 };
 
@@ -71,21 +70,27 @@ struct Choices {
 
 // As choose_outline().
 HWY_INLINE Choices choose_outline(const Corners& corners, Doubles tolerance, Doubles start_u, Doubles start_w, DoubleMask any) {
-    const Scored first = corners.best_of([&](const WideCandidate& p) { return p.u * start_u + p.w * start_w; });
-    const WideCandidate& a = first.point;
-    const Scored second = corners.best_of([&](const WideCandidate& p) { return distance_sq(a, p); });
+    const Doubles least_distance = tolerance * tolerance;
+    const WideCandidate a = corners
+                                .best_of(
+                                    Doubles(-std::numeric_limits<double>::infinity()), [&](Doubles best) { return best - tolerance; },
+                                    [&](const WideCandidate& p) { return p.u * start_u + p.w * start_w; })
+                                .point;
+    const Scored second = corners.best_of(
+        least_distance, [](Doubles best) { return Doubles(kAsFar) * best; }, [&](const WideCandidate& p) { return distance_sq(a, p); });
     const WideCandidate& b = second.point;
 
-    const Doubles least = tolerance * sqrt(distance_sq(a, b));
-    const Scored left = corners.best_of([&](const WideCandidate& p) { return area2(a, b, p); });
-    const Scored right = corners.best_of([&](const WideCandidate& p) { return -area2(a, b, p); });
-    const DoubleMask is_left = left.score >= right.score;
+    const Doubles least = tolerance * sqrt(second.score);
+    const auto less = [&](Doubles best) { return best - least; };
+    const Scored left = corners.best_of(least, less, [&](const WideCandidate& p) { return area2(a, b, p); });
+    const Scored right = corners.best_of(least, less, [&](const WideCandidate& p) { return -area2(a, b, p); });
+    const DoubleMask no_right = !(right.score > least), is_left = no_right | ((left.score > least) & (left.score >= right.score - least));
     const WideCandidate c = select_point(is_left, left.point, right.point);
-
     const Doubles turn = select(is_left, Doubles(-1.0), Doubles(1.0));
-    const Scored fourth = corners.best_of(
-        [&](const WideCandidate& p) { return greatest(greatest(turn * area2(a, b, p), turn * area2(b, c, p)), turn * area2(c, a, p)); });
-    const DoubleMask two = any & (second.score > tolerance * tolerance), three = two & (greatest(left.score, right.score) > least);
+    const Scored fourth = corners.best_of(least, less, [&](const WideCandidate& p) {
+        return greatest(greatest(turn * area2(a, b, p), turn * area2(b, c, p)), turn * area2(c, a, p));
+    });
+    const DoubleMask two = any & (second.score > least_distance), three = two & (greatest(left.score, right.score) > least);
     return {{{a, any}, {b, two}, {c, three}, {fourth.point, three & (fourth.score > least)}}};
 }
 
@@ -95,14 +100,17 @@ HWY_INLINE Choices reduce_corners(const Corners& corners, Doubles tolerance, Dou
     WideChoice(&slot)[4] = chosen.slot;
     Doubles lowest = slot[0].point.separation;
     for (int k = 1; k < 4; ++k) lowest = select(slot[k].valid, least(lowest, slot[k].point.separation), lowest);
-    const Scored deepest = corners.best_of([](const WideCandidate& p) { return -p.separation; });
-    const DoubleMask deeper = any & (deepest.score > tolerance - lowest);
+    const Doubles least_depth = tolerance - lowest;
+    const Scored deepest = corners.best_of(
+        least_depth, [&](Doubles best) { return best - Doubles(0x1p-6) * tolerance; },
+        [](const WideCandidate& p) { return -p.separation; });
+    const DoubleMask deeper = any & (deepest.score > least_depth);
     if (none(deeper)) return chosen;
 
     Doubles nearest = distance_sq(slot[0].point, deepest.point), replaced(0.0);
     for (int k = 1; k < 4; ++k) {
         const Doubles sq = distance_sq(slot[k].point, deepest.point);
-        const DoubleMask nearer = slot[k].valid & (sq < nearest);
+        const DoubleMask nearer = slot[k].valid & (sq < Doubles(kAsFar) * nearest);
         nearest = select(nearer, sq, nearest);
         replaced = select(nearer, Doubles(k), replaced);
     }

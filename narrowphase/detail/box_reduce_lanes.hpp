@@ -2,7 +2,7 @@
 //
 //   WideCandidates candidates;
 //   candidates.add(u, w, separation, valid, code);
-//   WideChoice chosen = choose_points(candidates, tolerance, start_u, start_w);
+//   WideChoice chosen = choose_points(candidates, {tolerance, overlook}, start_u, start_w);
 
 // This guard lets the file through once for each target.
 #if defined(CAROM_NARROWPHASE_BOX_REDUCE_LANES_HPP) == defined(HWY_TARGET_TOGGLE)
@@ -13,6 +13,7 @@
 #endif
 
 #include <carom/core/lanes.hpp>
+#include <carom/narrowphase/detail/tolerances.hpp>
 
 #include <cstddef>
 #include <limits>
@@ -49,18 +50,20 @@ struct WideCandidates {
         separation[count] = select(valid, at_separation, Floats(kNever)).raw;
         code[count++] = its_code.raw;
     }
+    HWY_INLINE WidePoint at(std::size_t k) const { return {Floats{u[k]}, Floats{w[k]}, Floats{separation[k]}, Ints{code[k]}}; }
 };
 
-/// The valid point with the largest score so far, if that is over what it began with. Ties go to the first. Scores have a part of u, or are
-/// less the separation: NaN or -infinity for points that are not valid.
+/// The valid point with the largest score so far, if that is over what it began with. Scores that beat it by no more than rounding may are no better, so
+/// of such the first is kept. Scores have a part of u, or are less the separation: NaN or -infinity for points that are not valid.
 struct WideBest {
-    Floats least;
+    Floats bar;  ///< what the next has to be over
     WidePoint point = no_point();
 
-    HWY_INLINE explicit WideBest(Floats over) : least(over) {}
-    HWY_INLINE void offer(const WidePoint& candidate, Floats score) {
-        const Mask better = score > least;
-        least = select(better, score, least);
+    HWY_INLINE explicit WideBest(Floats over) : bar(over) {}
+    /// @param beaten_by  what a score has to be over that is better than this one.
+    HWY_INLINE void offer(const WidePoint& candidate, Floats score, Floats beaten_by) {
+        const Mask better = score > bar;
+        bar = select(better, beaten_by, bar);
         point = select(better, candidate, point);
     }
 };
@@ -68,7 +71,7 @@ struct WideBest {
 /// Calls visit(candidate, its number) for each, in order.
 template <class Visit>
 HWY_INLINE void for_each(const WideCandidates& c, const Visit& visit) {
-    for (std::size_t k = 0; k < c.count; ++k) visit(WidePoint{Floats{c.u[k]}, Floats{c.w[k]}, Floats{c.separation[k]}, Ints{c.code[k]}}, k);
+    for (std::size_t k = 0; k < c.count; ++k) visit(c.at(k), k);
 }
 
 HWY_INLINE Floats distance_sq(const WidePoint& a, const WidePoint& p) { return (p.u - a.u) * (p.u - a.u) + (p.w - a.w) * (p.w - a.w); }
@@ -89,37 +92,49 @@ struct WideChoice {
     Floats lowest;  ///< separation of all that there were to choose from; kNever: there were none
 };
 
-/// What reduce_points() (reduce.hpp) chooses, for each lane.
-HWY_INLINE WideChoice choose_points(const WideCandidates& all, Floats tolerance, Floats start_u, Floats start_w) {
+/// The limits of reduce_points().
+struct WideLimits {
+    Floats tolerance, overlook;
+};
+
+/// What reduce_points() (reduce.hpp) chooses, for each lane, but that depths are equal within `tolerance` / 4. Ties go to the first candidate: the
+/// order is that of the edges of both faces, which rounding does not change.
+HWY_INLINE WideChoice choose_points(const WideCandidates& all, const WideLimits& limits, Floats start_u, Floats start_w) {
+    const Floats tolerance = limits.tolerance;
+    const Floats farther(static_cast<float>(1.0 / kAsFar));
     WideBest first(Floats(-kNever));
     Floats lowest(kNever);
     for_each(all, [&](const WidePoint& p, std::size_t) {
-        first.offer(p, p.u * start_u + p.w * start_w);
+        const Floats along = p.u * start_u + p.w * start_w;
+        first.offer(p, along, along + tolerance);
         lowest = min(p.separation, lowest);
     });
     const WidePoint& a = first.point;
     WideBest farthest(tolerance * tolerance);
-    for_each(all, [&](const WidePoint& p, std::size_t) { farthest.offer(p, distance_sq(a, p)); });
+    for_each(all, [&](const WidePoint& p, std::size_t) {
+        const Floats distance = distance_sq(a, p);
+        farthest.offer(p, distance, farther * distance);
+    });
     const WidePoint& b = farthest.point;
+    const Mask has_b = exists(b);
     const Floats least_area = tolerance * sqrt(distance_sq(a, b));
-    WideBest left(least_area), right(least_area);
+    WideBest largest(least_area);
     RawFloats areas[WideCandidates::kRoom];
     const WideArea over_ab(a, b, Floats(1.0f));
     for_each(all, [&](const WidePoint& p, std::size_t k) {
-        const Floats area = over_ab.of(p);
+        const Floats area = over_ab.of(p), size = abs(area);
         areas[k] = area.raw;
-        left.offer(p, area);
-        right.offer(p, -area);
+        largest.offer(p, size, size + least_area);
     });
-    const Mask has_b = exists(b);
-    const Mask is_left = (!exists(right.point)) | (exists(left.point) & (left.least >= right.least));
-    const WidePoint c = select(is_left, left.point, right.point);
+    const WidePoint& c = largest.point;
     const Mask has_c = has_b & exists(c);
-    const Floats turn = select(is_left, Floats(-1.0f), Floats(1.0f));
+    const Floats turn = select(over_ab.of(c) > Floats(0.0f), Floats(-1.0f), Floats(1.0f));
     WideBest beyond(least_area);
     const WideArea over_bc(b, c, turn), over_ca(c, a, turn);
-    for_each(all,
-             [&](const WidePoint& p, std::size_t k) { beyond.offer(p, max(max(turn * Floats{areas[k]}, over_bc.of(p)), over_ca.of(p))); });
+    for_each(all, [&](const WidePoint& p, std::size_t k) {
+        const Floats added = max(max(turn * Floats{areas[k]}, over_bc.of(p)), over_ca.of(p));
+        beyond.offer(p, added, added + least_area);
+    });
     const WidePoint& d = beyond.point;
     const Mask has_d = has_c & exists(d);
 
@@ -132,17 +147,18 @@ HWY_INLINE WideChoice choose_points(const WideCandidates& all, Floats tolerance,
     Floats least(kNever);
 #pragma GCC unroll 4
     for (int k = 0; k < 4; ++k) least = select(used[k], min(out.points[k].separation, least), least);
-    const Mask replace = exists(a) & (-lowest > tolerance - least);
+    const Floats overlooked = min(limits.overlook, Floats(static_cast<float>(kSteadyShare)) * max(-least, Floats(0.0f)));
+    const Mask replace = exists(a) & (-lowest > (tolerance - least) + overlooked);
     if (none(replace)) return out;
     WideBest lowest_point(Floats(-kNever));
-    for_each(all, [&](const WidePoint& p, std::size_t) { lowest_point.offer(p, -p.separation); });
+    for_each(all, [&](const WidePoint& p, std::size_t) { lowest_point.offer(p, -p.separation, Floats(0.25f) * tolerance - p.separation); });
     const WidePoint& deepest = lowest_point.point;
     Floats nearest(kNever);
     Ints slot(0);
 #pragma GCC unroll 4
     for (int k = 0; k < 4; ++k) {
         const Floats distance = distance_sq(deepest, out.points[k]);
-        const Mask nearer = used[k] & (distance < nearest);
+        const Mask nearer = used[k] & (farther * distance < nearest);
         nearest = select(nearer, distance, nearest);
         slot = select(nearer, Ints(k), slot);
     }

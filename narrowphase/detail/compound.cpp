@@ -43,11 +43,11 @@ CollideStatus touch_part(const PairFrame& pair, std::uint32_t index, Workspace& 
     const dvec3& origin = part.pose.position;
     if (entry.swapped) {
         const PairFrame frame{pair.second, part.shape, glm::transpose(pair.rotation) * turn, (origin - pair.translation) * pair.rotation,
-                              pair.margin};
+                              pair.margin, pair.steady};
         ManifoldSink inner = sink.of_part(pair.rotation, pair.translation, true, index);
         return entry.function(frame, workspace, inner);
     }
-    const PairFrame frame{part.shape, pair.second, glm::transpose(turn) * pair.rotation, (pair.translation - origin) * turn, pair.margin};
+    const PairFrame frame{part.shape, pair.second, glm::transpose(turn) * pair.rotation, (pair.translation - origin) * turn, pair.margin, pair.steady};
     ManifoldSink inner = sink.of_part(turn, origin, false, index);
     return entry.function(frame, workspace, inner);
 }

@@ -22,7 +22,16 @@ double power_of_two(int exponent) noexcept {
                                                : std::ldexp(1.0, exponent);
 }
 
-// Of a shape's core from its origin, and its radius [m].
+// The exponent of a power of two that is above `size`, by no more than twice where that is a normal number, as std::frexp() has it.
+int exponent_above(double size) noexcept {
+    const auto biased = static_cast<int>(std::bit_cast<std::uint64_t>(size) >> 52 & 0x7ff);
+    if (biased > 0 && biased < 0x7ff) return biased - 1022;
+    int exponent = 0;
+    std::frexp(size, &exponent);
+    return exponent;
+}
+
+// Of a shape's core from its origin [m].
 double reach_of(const Shape& shape) noexcept {
     switch (type_of(shape)) {
         case ShapeType::Box:
@@ -39,6 +48,38 @@ double reach_of(const Shape& shape) noexcept {
         }
         default:
             return 0.0;
+    }
+}
+
+// @param reach  of its core [m].
+void fill_core(const Shape& shape, double reach, const dquat& orientation, const dvec3& centre, double scale, ConvexCore& core) noexcept {
+    const dmat3 axes = glm::mat3_cast(orientation);
+    core.axes = scale * axes;
+    core.centre = centre;
+    core.radius = scale * core_radius(shape);
+    core.reach = scale * reach;
+    switch (type_of(shape)) {
+        case ShapeType::Box:
+            core.half = dvec3(as<Box>(shape).half_extents);
+            break;
+        case ShapeType::Capsule:
+            core.half.y = static_cast<double>(as<Capsule>(shape).half_segment);
+            break;
+        case ShapeType::ConvexHull:
+            core.kind = ConvexCore::Kind::Points;
+            core.points = as<ConvexHullPtr>(shape)->vertices();
+            core.bundles = as<ConvexHullPtr>(shape)->point_bundles();
+            break;
+        case ShapeType::Cylinder:
+        case ShapeType::Cone:
+            core.kind = ConvexCore::Kind::Turned;
+            core.solid = truncated_cone(shape, axes, centre);
+            core.solid.half_height *= scale;
+            core.solid.lower_radius *= scale;
+            core.solid.upper_radius *= scale;
+            break;
+        default:
+            break;
     }
 }
 
@@ -91,49 +132,22 @@ void supports(const ConvexCore& a, const ConvexCore& b, const dvec3& direction, 
 
 ConvexCore core_of(const Shape& shape, const dquat& orientation, const dvec3& centre, double scale) noexcept {
     ConvexCore core;
-    const dmat3 axes = glm::mat3_cast(orientation);
-    core.axes = scale * axes;
-    core.centre = centre;
-    core.radius = scale * core_radius(shape);
-    core.reach = scale * reach_of(shape);
-    switch (type_of(shape)) {
-        case ShapeType::Box:
-            core.half = dvec3(as<Box>(shape).half_extents);
-            break;
-        case ShapeType::Capsule:
-            core.half.y = static_cast<double>(as<Capsule>(shape).half_segment);
-            break;
-        case ShapeType::ConvexHull:
-            core.kind = ConvexCore::Kind::Points;
-            core.points = as<ConvexHullPtr>(shape)->vertices();
-            core.bundles = as<ConvexHullPtr>(shape)->point_bundles();
-            break;
-        case ShapeType::Cylinder:
-        case ShapeType::Cone:
-            core.kind = ConvexCore::Kind::Turned;
-            core.solid = truncated_cone(shape, axes, centre);
-            core.solid.half_height *= scale;
-            core.solid.lower_radius *= scale;
-            core.solid.upper_radius *= scale;
-            break;
-        default:
-            break;
-    }
+    fill_core(shape, reach_of(shape), orientation, centre, scale, core);
     return core;
 }
 
 CorePair core_pair(const Shape& a, const Pose& pose_a, const Shape& b, const Pose& pose_b) noexcept {
     // A quarter of the way, which does not overflow.
     const dvec3 quarter = 0.25 * pose_b.position - 0.25 * pose_a.position;
-    const double size = std::max({largest(quarter), reach_of(a) + core_radius(a), reach_of(b) + core_radius(b)});
-    int exponent = 0;
-    std::frexp(size, &exponent);  // size is below 2^exponent
-    exponent = std::min(exponent, 1020);
+    const double reach_a = reach_of(a), reach_b = reach_of(b);
+    const double size = std::max({largest(quarter), reach_a + core_radius(a), reach_b + core_radius(b)});
+    const int exponent = std::min(exponent_above(size), 1020);  // size is below 2^exponent
     const double shrink = power_of_two(-exponent);
     const dvec3 between = (4.0 * shrink) * quarter;
-    CorePair pair{.a = core_of(a, pose_a.orientation, dvec3{0.0}, shrink),
-                  .b = core_of(b, pose_b.orientation, between, shrink),
-                  .unit = power_of_two(exponent)};
+    CorePair pair;
+    pair.unit = power_of_two(exponent);
+    fill_core(a, reach_a, pose_a.orientation, dvec3{0.0}, shrink, pair.a);
+    fill_core(b, reach_b, pose_b.orientation, between, shrink, pair.b);
     pair.rounding = 0x1p-46 * (glm::length(between) + pair.a.reach + pair.b.reach + pair.a.radius + pair.b.radius);
     return pair;
 }

@@ -39,9 +39,9 @@ struct PolytopeProbe {
     bool axis(Polytope& triangle, double margin, Workspace&, ContactAxis& axis) const {
         return find_axis(polytope, triangle, centre, triangle.centre, margin, axis);
     }
-    void patch(const Polytope& triangle, const ContactAxis& axis, double margin, AxisPoint point, Workspace& workspace,
+    void patch(const Polytope& triangle, const ContactAxis& axis, const Asked& asked, AxisPoint point, Workspace& workspace,
                Patch& patch) const {
-        build_patch(polytope, triangle, axis, margin, point, workspace.polygons, patch);
+        build_patch(polytope, triangle, axis, asked, point, workspace.polygons, patch);
     }
 };
 
@@ -64,9 +64,9 @@ struct SegmentProbe {
     bool axis(const Polytope& triangle, double margin, Workspace& workspace, ContactAxis& axis) const {
         return find_axis(core, triangle, margin, workspace.polygons, axis);
     }
-    void patch(const Polytope& triangle, const ContactAxis& axis, double margin, AxisPoint point, Workspace& workspace,
+    void patch(const Polytope& triangle, const ContactAxis& axis, const Asked& asked, AxisPoint point, Workspace& workspace,
                Patch& patch) const {
-        build_patch(core, triangle, axis, margin, point, workspace.polygons, patch);
+        build_patch(core, triangle, axis, asked.margin, point, workspace.polygons, patch);
     }
 };
 
@@ -87,9 +87,9 @@ struct TurnedProbe {
     bool axis(Polytope& triangle, double margin, Workspace&, ContactAxis& axis) const {
         return find_axis(solid, triangle, margin, axis, status);
     }
-    void patch(const Polytope& triangle, const ContactAxis& axis, double margin, AxisPoint point, Workspace& workspace,
+    void patch(const Polytope& triangle, const ContactAxis& axis, const Asked& asked, AxisPoint point, Workspace& workspace,
                Patch& patch) const {
-        build_patch(solid, triangle, axis, margin, point, workspace.polygons, patch);
+        build_patch(solid, triangle, axis, asked, point, workspace.polygons, patch);
     }
 };
 
@@ -115,13 +115,13 @@ struct WayOut {
 // The contact of one triangle. Its own normal is always allowed, on the side on which the shape's centre lies; another one only
 // where the surface is locally highest along it. Otherwise the triangle's normal takes its place, over the triangle alone.
 template <class Probe>
-bool touch_triangle(const Probe& probe, MeshSurface& surface, double margin, Workspace& workspace, TrianglePatch& contact,
+bool touch_triangle(const Probe& probe, MeshSurface& surface, const Asked& asked, Workspace& workspace, TrianglePatch& contact,
                     WayOut& way_out) {
     Polytope& triangle = workspace.second;
     const bool above = glm::dot(triangle.normal(0), probe.centre) >= triangle.offset(0);
     const dvec3 outward = triangle.normal(above ? 0 : 1);
     ContactAxis axis;
-    if (!probe.axis(triangle, margin, workspace, axis)) return false;
+    if (!probe.axis(triangle, asked.margin, workspace, axis)) return false;
 
     const bool apart = axis.separation > kTouching * probe.size();
     const bool is_face = axis.kind == AxisKind::FaceOfB || -glm::dot(axis.normal, outward) > kFaceCosine;
@@ -147,7 +147,7 @@ bool touch_triangle(const Probe& probe, MeshSurface& surface, double margin, Wor
         contact.holds_deepest = foot != Foot::None;
     }
     Patch& patch = contact.patch;
-    probe.patch(triangle, axis, margin, axis_point, workspace, patch);
+    probe.patch(triangle, axis, asked, axis_point, workspace, patch);
     // A shape that does not reach the triangle lies on one side of it, all over it. Where that is not the side of the centre, the
     // heights are those of its far side and mean nothing.
     if (apart && contact.replaced && patch.count > 0 && patch.points[0].separation < -probe.radius()) return false;
@@ -218,7 +218,7 @@ void touch_surface(const PairFrame& pair, const Probe& probe, const Aabb& bounds
         }
         TrianglePatch contact;
         contact.triangle = t.index;
-        if (touch_triangle(probe, surface, pair.margin, workspace, contact, way_out)) surface.patches.push_back(contact);
+        if (touch_triangle(probe, surface, pair.asked(), workspace, contact, way_out)) surface.patches.push_back(contact);
     }
     surface.drop_spared(kPointTolerance * probe.size(), [&](const Corners& corners, const dvec3& motion) {
         const Corners moved{corners[0] + motion, corners[1] + motion, corners[2] + motion};
@@ -238,7 +238,7 @@ CollideStatus polytope_mesh(const PairFrame& pair, const Aabb& own, Workspace& w
     if (const ConvexHull* const solid = solid_of(pair, probe)) {
         if (!reaches(pair, bounds, *solid)) return CollideStatus::Ok;
         load_hull(workspace.second, *solid, pair.rotation, pair.translation);
-        return touch_polytopes(pair.margin, workspace, sink);
+        return touch_polytopes(pair.asked(), workspace, sink);
     }
     touch_surface(pair, probe, bounds, kSameNormal, workspace, sink);
     return CollideStatus::Ok;

@@ -22,7 +22,7 @@ SimplexPart nearest_part(const Simplex& s, bool curved) noexcept {
             break;
     }
     SimplexPart point;
-    point.add(0, 1.0);
+    point.add(0, 1.0, 1.0);
     return point;
 }
 

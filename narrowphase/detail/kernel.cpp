@@ -48,6 +48,7 @@ CollideStatus run_pair(const ShapePair& pair, const KernelEntry& entry, std::uin
         .rotation = glm::mat3_cast(glm::conjugate(first.orientation) * second.orientation),
         .translation = between * to_world,
         .margin = static_cast<double>(pair.margin),
+        .steady = pair.steady,
     };
     // Finite positions may still be so far apart that their difference is not: then they are farther apart than any margin.
     if (!is_finite(frame.translation)) return CollideStatus::Ok;

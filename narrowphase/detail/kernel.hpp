@@ -12,6 +12,12 @@
 
 namespace carom::detail {
 
+/// What points are to be reported.
+struct Asked {
+    double margin = 0.0;  ///< with separations up to this [m]
+    bool steady = false;  ///< as in PlacedShapes
+};
+
 /// One pair as its kernel sees it: everything in the frame of the first shape, in double, so that the distance of the pair from
 /// the world's origin has no influence.
 struct PairFrame {
@@ -20,7 +26,9 @@ struct PairFrame {
     dmat3 rotation{1.0};     ///< second's frame to first's
     dvec3 translation{0.0};  ///< origin of the second in the first's frame [m]
     double margin = 0.0;     ///< separations up to this are reported [m]
+    bool steady = false;     ///< as in PlacedShapes
 
+    [[nodiscard]] Asked asked() const noexcept { return {margin, steady}; }
     [[nodiscard]] dvec3 to_first(const dvec3& p) const noexcept { return rotation * p + translation; }
     [[nodiscard]] dvec3 to_second(const dvec3& p) const noexcept { return (p - translation) * rotation; }
 };
@@ -80,7 +88,7 @@ struct BatchInput {
     [[nodiscard]] float margin(std::uint32_t index) const noexcept { return pairs[index].margin + pairs[index].slack; }
     [[nodiscard]] ShapePair pair(std::uint32_t index) const noexcept {
         const NumberedPair& p = pairs[index];
-        return {placed.shapes[p.a], placed.shapes[p.b], placed.poses[p.a], placed.poses[p.b], margin(index)};
+        return {placed.shapes[p.a], placed.shapes[p.b], placed.poses[p.a], placed.poses[p.b], margin(index), placed.steady};
     }
 };
 

@@ -50,7 +50,7 @@ bool box_box_proving(const BatchInput& input, std::span<const std::uint32_t> cho
 void box_box_single(const ShapePair& pair, std::uint32_t index, Workspace& workspace, ManifoldList& out);
 
 /// The polytopes that the workspace holds.
-CollideStatus touch_polytopes(double margin, Workspace& workspace, ManifoldSink& sink);
+CollideStatus touch_polytopes(const Asked& asked, Workspace& workspace, ManifoldSink& sink);
 
 /// Two boxes as polytopes in double: where they are not many, as parts of compounds are not.
 CollideStatus box_box_alone(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink);

@@ -65,7 +65,7 @@ void add_face_points(const PlacedFace& a, const PlacedFace& b, const ContactPlan
 }
 
 // Emits one manifold for each group of leaders.
-void emit_patches(MeshContact& contact, const LeaderLimits& limits, std::vector<Candidate>& points, ManifoldSink& sink) {
+void emit_patches(MeshContact& contact, const LeaderLimits& limits, bool steady, std::vector<Candidate>& points, ManifoldSink& sink) {
     std::vector<Leader>& leaders = contact.finder.leaders;
     double floor = -std::numeric_limits<double>::infinity();  // of what leads out of the whole
     for (const Leader& l : leaders) {
@@ -92,7 +92,8 @@ void emit_patches(MeshContact& contact, const LeaderLimits& limits, std::vector<
                               glm::dot(l.position, plane.axis_w), l.feature});
         }
         Chosen chosen{};
-        const int count = reduce_points(points, limits.tolerance, outline_start(plane.normal, plane.axis_u, plane.axis_w), chosen);
+        const int count = reduce_points(points, limits.tolerance, outline_start(plane.normal, plane.axis_u, plane.axis_w),
+                                        overlook(steady, limits.tolerance / kPointTolerance), chosen);
         Patch patch;
         patch.normal = plane.normal;
         for (int i = 0; i < count; ++i) {
@@ -159,7 +160,7 @@ CollideStatus look_inside(const PairFrame& pair, const LeaderLimits& limits, Wor
     if (!nearest || nearest->separation >= 0.0) return CollideStatus::Ok;
     contact.finder.add_way_out(inner, vertex, *nearest, inner_is_first);
     contact.faces.pairs.clear();
-    emit_patches(contact, limits, workspace.polygons.candidates, sink);
+    emit_patches(contact, limits, pair.steady, workspace.polygons.candidates, sink);
     return CollideStatus::Undecided;
 }
 
@@ -197,7 +198,7 @@ CollideStatus mesh_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSin
         if (margin < pair.margin) continue;
         return look_inside(pair, limits, workspace, sink);
     }
-    emit_patches(contact, limits, workspace.polygons.candidates, sink);
+    emit_patches(contact, limits, pair.steady, workspace.polygons.candidates, sink);
     return contact.finder.incomplete ? CollideStatus::Undecided : CollideStatus::Ok;
 }
 

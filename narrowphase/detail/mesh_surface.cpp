@@ -224,7 +224,8 @@ void MeshSurface::emit(double same_normal, double tolerance, ManifoldSink& sink)
             }
         }
         Chosen chosen{};
-        const int count = reduce_points(candidates_, tolerance, outline_start(merged.normal, axis_u, axis_w), chosen);
+        const int count = reduce_points(candidates_, tolerance, outline_start(merged.normal, axis_u, axis_w),
+                                        overlook(pair_->steady, tolerance / kPointTolerance), chosen);
         for (int i = 0; i < count; ++i) {
             const Candidate& c = candidates_[static_cast<std::size_t>(chosen[static_cast<std::size_t>(i)])];
             merged.add(c.position, c.separation, c.feature);

@@ -95,8 +95,13 @@ public:
 
     // Pairs from `first` on, those of `open`.
     HWY_INLINE void add(const Pair& p, Floats gap, Mask open, std::int32_t first) {
-        const std::size_t added = compress_store(lane_numbers() + Ints(first), open, pair_ + count_);
-        const auto put = [&](std::size_t k, Floats x) { compress_store(as_ints(x), open, number_[k] + count_); };
+        alignas(64) std::int32_t lanes[kRoom / 2];
+        const std::size_t added = compress_store(lane_numbers(), open, lanes);
+        const auto order = hn::IndicesFromVec(IntTag(), load(lanes).raw);
+        const auto put = [&](std::size_t k, Floats x) {
+            hn::StoreU(hn::TableLookupLanes(as_ints(x).raw, order), IntTag(), number_[k] + count_);
+        };
+        store_unaligned(load(lanes) + Ints(first), pair_ + count_);
 #pragma GCC unroll 3
         for (std::size_t i = 0; i < 3; ++i) {
             put(i, p.r[i][0]), put(3 + i, p.r[i][1]), put(6 + i, p.r[i][2]);

@@ -150,7 +150,6 @@ PieceFinding compare(const ConvexPiece& a, const ConvexPiece& b, std::span<const
     if (a.polytope && b.polytope) {
         constexpr double kAll = std::numeric_limits<double>::infinity();
         const ContactAxis axis = greatest_separation(*a.polytope, *b.polytope, a.polytope->centre, b.polytope->centre, kAll);
-        found.sat_gap = axis.separation;
         axes.offer(axis.normal, AxisSource::Points);
     }
     if (r.beyond) {  // so far apart that squares of lengths overflow

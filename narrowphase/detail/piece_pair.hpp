@@ -16,7 +16,6 @@ struct PieceFinding {
     DistanceBounds distance;
     SeparatingAxis axis;
     PairVerdict verdict = PairVerdict::Undecided;
-    std::optional<double> sat_gap;  ///< of two flat pieces: the greatest over the axes of their faces and edges [m]
 };
 
 /// @param contact_normals  directions, unit, from a to b, that may be the axis where the pieces overlap and no search of its own finds one.

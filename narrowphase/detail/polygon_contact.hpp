@@ -164,13 +164,14 @@ struct PatchRule {
     double tolerance = 0.0;  ///< of reduce_points() [m]
     double snap = 0.0;       ///< points within this distance of a corner bear its name [m]
     PlanarDirection start;
+    double overlook = 0.0;  ///< of reduce_points() [m]
 };
 
 /// Reduces the candidates to the points of the patch and gives them steady names.
 inline void finish_patch(std::span<const Candidate> candidates, const FacePolygon& first, const FacePolygon& second,
                   const PatchRule& rule, Patch& patch) {
     Chosen chosen{};
-    const int count = reduce_points(candidates, rule.tolerance, rule.start, chosen);
+    const int count = reduce_points(candidates, rule.tolerance, rule.start, rule.overlook, chosen);
     for (int i = 0; i < count; ++i) {
         const Candidate& c = candidates[static_cast<std::size_t>(chosen[static_cast<std::size_t>(i)])];
         std::uint64_t name = steady_name(c, first, second, rule.snap);

@@ -46,10 +46,10 @@ FacePolygon polygon_of(const Polytope& p, std::uint32_t face, const ContactPlane
     return {corners, p.normal(face), p.offset(face)};
 }
 
-void build_patch(const Polytope& a, const Polytope& b, const ContactAxis& axis, double margin, AxisPoint axis_point,
+void build_patch(const Polytope& a, const Polytope& b, const ContactAxis& axis, const Asked& asked, AxisPoint axis_point,
                  PolygonScratch& scratch, Patch& patch) {
     const double size = common_size(a, b);
-    const ContactPlane plane = contact_plane(axis.normal, margin, kInsideTolerance * size);
+    const ContactPlane plane = contact_plane(axis.normal, asked.margin, kInsideTolerance * size);
 
     const std::uint32_t face_a = axis.kind == AxisKind::FaceOfA ? axis.feature_a : face_along(a, plane.normal).number;
     const std::uint32_t face_b = axis.kind == AxisKind::FaceOfB ? axis.feature_b : face_along(b, -plane.normal).number;
@@ -71,7 +71,8 @@ void build_patch(const Polytope& a, const Polytope& b, const ContactAxis& axis, 
     patch.normal = plane.normal;
     patch.count = 0;
     const double snap = kSnap * std::min(least_side(first.corners), least_side(second.corners));
-    finish_patch(points, first, second, {kPointTolerance * size, snap, outline_start(plane.normal, plane.axis_u, plane.axis_w)}, patch);
+    const PatchRule rule{kPointTolerance * size, snap, outline_start(plane.normal, plane.axis_u, plane.axis_w), overlook(asked.steady, size)};
+    finish_patch(points, first, second, rule, patch);
 }
 
 }  // namespace carom::detail

@@ -17,7 +17,7 @@ enum class AxisPoint : unsigned char { Keep, Leave };
 
 /// Fills `patch` with up to four points of the contact of a and b along `axis`. With AxisPoint::Keep it is
 /// never empty: where the two faces share no region, the closest or deepest pair of points stands alone.
-void build_patch(const Polytope& a, const Polytope& b, const ContactAxis& axis, double margin, AxisPoint axis_point,
+void build_patch(const Polytope& a, const Polytope& b, const ContactAxis& axis, const Asked& asked, AxisPoint axis_point,
                  PolygonScratch& scratch, Patch& patch);
 
 }  // namespace carom::detail

@@ -25,9 +25,9 @@ Candidate corner_on_plane(const dvec3& corner, std::uint32_t vertex, const Plane
             feature_name(FeatureKind::VertexOfFirst, vertex, 0)};
 }
 
-void emit(std::span<const Candidate> candidates, double size, const PlaneFrame& plane, ManifoldSink& sink) {
+void emit(std::span<const Candidate> candidates, double size, const PlaneFrame& plane, double overlook, ManifoldSink& sink) {
     Chosen chosen{};
-    const int count = reduce_points(candidates, kPointTolerance * size, plane.start, chosen);
+    const int count = reduce_points(candidates, kPointTolerance * size, plane.start, overlook, chosen);
     if (count == 0) return;
     Patch patch;
     patch.normal = -plane.form.normal;
@@ -50,7 +50,7 @@ CollideStatus box_plane(const PairFrame& pair, Workspace&, ManifoldSink& sink) {
         candidates[count] = corner_on_plane(corner, static_cast<std::uint32_t>(i), plane);
         if (candidates[count].separation <= pair.margin) ++count;
     }
-    emit({candidates.data(), count}, std::max({half.x, half.y, half.z}), plane, sink);
+    emit({candidates.data(), count}, std::max({half.x, half.y, half.z}), plane, 0.0, sink);
     return CollideStatus::Ok;
 }
 
@@ -66,7 +66,7 @@ CollideStatus vertices_plane(std::span<const vec3> vertices, const PairFrame& pa
         size = std::max({size, std::abs(c.u), std::abs(c.w), std::abs(c.separation)});
         if (c.separation <= pair.margin) candidates.push_back(c);
     }
-    emit(candidates, size, plane, sink);
+    emit(candidates, size, plane, overlook(pair.steady, size), sink);
     return CollideStatus::Ok;
 }
 

@@ -6,12 +6,12 @@
 
 namespace carom::detail {
 
-CollideStatus touch_polytopes(double margin, Workspace& workspace, ManifoldSink& sink) {
+CollideStatus touch_polytopes(const Asked& asked, Workspace& workspace, ManifoldSink& sink) {
     Polytope &a = workspace.first, &b = workspace.second;
     ContactAxis axis;
-    if (!find_axis(a, b, a.centre, b.centre, margin, axis)) return CollideStatus::Ok;
+    if (!find_axis(a, b, a.centre, b.centre, asked.margin, axis)) return CollideStatus::Ok;
     Patch patch;
-    build_patch(a, b, axis, margin, AxisPoint::Keep, workspace.polygons, patch);
+    build_patch(a, b, axis, asked, AxisPoint::Keep, workspace.polygons, patch);
     sink.add(patch);
     return CollideStatus::Ok;
 }
@@ -19,13 +19,13 @@ CollideStatus touch_polytopes(double margin, Workspace& workspace, ManifoldSink&
 CollideStatus box_box_alone(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
     load_box(workspace.first, dvec3(as<Box>(pair.first).half_extents));
     load_box(workspace.second, dvec3(as<Box>(pair.second).half_extents), pair.rotation, pair.translation);
-    return touch_polytopes(pair.margin, workspace, sink);
+    return touch_polytopes(pair.asked(), workspace, sink);
 }
 
 CollideStatus box_hull(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
     load_box(workspace.first, dvec3(as<Box>(pair.first).half_extents));
     load_hull(workspace.second, *as<ConvexHullPtr>(pair.second), pair.rotation, pair.translation);
-    return touch_polytopes(pair.margin, workspace, sink);
+    return touch_polytopes(pair.asked(), workspace, sink);
 }
 
 CollideStatus hull_hull(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
@@ -35,7 +35,7 @@ CollideStatus hull_hull(const PairFrame& pair, Workspace& workspace, ManifoldSin
 CollideStatus hull_hull(const PairFrame& pair, const ConvexHull& first, const ConvexHull& second, Workspace& workspace, ManifoldSink& sink) {
     load_hull(workspace.first, first);
     load_hull(workspace.second, second, pair.rotation, pair.translation);
-    return touch_polytopes(pair.margin, workspace, sink);
+    return touch_polytopes(pair.asked(), workspace, sink);
 }
 
 }  // namespace carom::detail

@@ -226,14 +226,18 @@ private:
     Proximity result_;
 };
 
-}  // namespace
-
-Proximity find_proximity(const CorePair& pair, const ProximityGoal& goal, DistanceCache* cache) noexcept {
-    if (cache != nullptr || !is_searched_by_points(pair)) return Search(pair, goal, {}).run(cache);
+// By itself, as what it returns stays where it is: what was just written number by number is slow to copy.
+Proximity find_by_points(const CorePair& pair, const ProximityGoal& goal) noexcept {
     Proximity known;
     DistanceCache last;
     if (!search_points(pair, goal, known, last)) known = Search(pair, goal, known).run(&last);
     return known;
+}
+
+}  // namespace
+
+Proximity find_proximity(const CorePair& pair, const ProximityGoal& goal, DistanceCache* cache) noexcept {
+    return cache == nullptr && is_searched_by_points(pair) ? find_by_points(pair, goal) : Search(pair, goal, {}).run(cache);
 }
 
 }  // namespace carom::detail

@@ -46,7 +46,7 @@ struct Corners {
         ++count;
         return place[free];
     }
-    void keep(const SimplexPart& part) noexcept {
+    void keep(const DirectedPart& part) noexcept {
         unsigned kept = 0;
         for (int i = 0; i < part.count; ++i) kept |= (order >> 4 * part.corner[i] & 3u) << 4 * i;
         order = kept;
@@ -71,6 +71,17 @@ HWY_BEFORE_NAMESPACE();
 namespace carom::detail::HWY_NAMESPACE {
 namespace {
 
+// The least of all lanes, in each.
+HWY_INLINE Doubles least_everywhere(Doubles x) {
+#if HWY_TARGET == HWY_AVX3
+    const Doubles half = min(x, Doubles{hn::ConcatLowerUpper(DoubleTag(), x.raw, x.raw)});
+    const Doubles quarter = min(half, Doubles{hn::SwapAdjacentBlocks(half.raw)});
+    return min(quarter, Doubles{hn::Shuffle01(quarter.raw)});
+#else
+    return Doubles{hn::MinOfLanes(DoubleTag(), x.raw)};
+#endif
+}
+
 // The points of a core in the pair's frame, with the bits of ConvexCore::place().
 class PlacedPoints {
 public:
@@ -82,35 +93,76 @@ public:
             place(core, core.bundles);
         }
     }
-    [[nodiscard]] HWY_INLINE std::uint32_t lowest(const dvec3& direction) const { return lowest_of({bundles_, count_}, direction).number; }
-    [[nodiscard]] HWY_INLINE dvec3 point(std::uint32_t number) const { return point_of({bundles_, count_}, number); }
+    // The first of those that are lowest.
+    [[nodiscard]] HWY_INLINE std::uint32_t lowest(const dvec3& direction) const {
+        const Doubles3 along = everywhere(direction);
+        switch (bundles_) {
+            case 1:
+                return lowest_of_few<1>(along);
+            case 2:
+                return lowest_of_few<2>(along);
+            case 3:
+                return lowest_of_few<3>(along);
+            case 4:
+                return lowest_of_few<4>(along);
+            default:
+                return lowest_of_many(along);
+        }
+    }
+    [[nodiscard]] HWY_INLINE dvec3 point(std::uint32_t number) const { return {x_[number], y_[number], z_[number]}; }
 
 private:
     HWY_INLINE void place(const ConvexCore& core, std::span<const PointBundle> from) {
         const Doubles3 x = everywhere(core.axes[0]), y = everywhere(core.axes[1]), z = everywhere(core.axes[2]),
                        centre = everywhere(core.centre);
-        count_ = from.size();
-        for (std::size_t k = 0; k < count_; ++k) {
+        bundles_ = from.size();
+        for (std::size_t k = 0; k < bundles_; ++k) {
             for (int lane = 0; lane < kWidth; lane += kLaneStep) {
                 const Doubles3 p = read(from[k], lane);
                 const Doubles3 placed = centre + ((x * p.x + y * p.y) + z * p.z);
-                store(placed.x, bundles_[k].x.lane + lane);
-                store(placed.y, bundles_[k].y.lane + lane);
-                store(placed.z, bundles_[k].z.lane + lane);
+                const std::size_t to = k * kWidth + static_cast<std::size_t>(lane);
+                store(placed.x, x_ + to), store(placed.y, y_ + to), store(placed.z, z_ + to);
             }
         }
     }
-    union {
-        PointBundle bundles_[kMostBundles];
-    };
-    std::size_t count_;
+    [[nodiscard]] HWY_INLINE Doubles height(std::size_t at, const Doubles3& along) const {
+        return dot(Doubles3{load(x_ + at), load(y_ + at), load(z_ + at)}, along);
+    }
+    // As lowest_of_few() of bundles.
+    template <std::size_t bundles>
+    [[nodiscard]] HWY_INLINE std::uint32_t lowest_of_few(const Doubles3& along) const {
+        constexpr std::size_t kCount = bundles * kWidth / kLaneStep;
+        Doubles heights[kCount];
+#pragma GCC unroll 16
+        for (std::size_t k = 0; k < kCount; ++k) heights[k] = height(k * kLaneStep, along);
+        const Doubles least = least_everywhere(least_of<kCount>(heights));
+        std::uint32_t equal = 0;
+#pragma GCC unroll 16
+        for (std::size_t k = 0; k < kCount; ++k) equal |= static_cast<std::uint32_t>(bits(heights[k] == least)) << (k * kLaneStep);
+        return equal != 0 ? static_cast<std::uint32_t>(std::countr_zero(equal)) : 0;
+    }
+    [[nodiscard]] HWY_INLINE std::uint32_t lowest_of_many(const Doubles3& along) const {
+        Doubles least(kInfinity);
+        for (std::size_t at = 0; at < bundles_ * kWidth; at += kLaneStep) least = min(height(at, along), least);
+        least = least_everywhere(least);
+        for (std::size_t at = 0; at < bundles_ * kWidth; at += kLaneStep) {
+            const unsigned equal = bits(height(at, along) == least);
+            if (equal != 0) return static_cast<std::uint32_t>(at) + static_cast<std::uint32_t>(std::countr_zero(equal));
+        }
+        return 0;
+    }
+
+    static constexpr std::size_t kMost = kMostBundles * kWidth;
+    alignas(64) double x_[kMost];
+    alignas(64) double y_[kMost];
+    alignas(64) double z_[kMost];
+    std::size_t bundles_;
 };
 
 class Search {
 public:
     HWY_INLINE Search(const CorePair& pair, const ProximityGoal& goal, Proximity& known)
-        : goal_(goal), rounding_(pair.rounding), a_(pair.a), b_(pair.b), known_(known) {
-        known_.upper = std::numeric_limits<double>::infinity();
+        : goal_(goal), rounding_(pair.rounding), a_(pair.a), b_(pair.b), known_(known), lower_(known.lower) {
         const dvec3 between = pair.a.centre - pair.b.centre;
         v_ = between != dvec3{0.0} ? between : dvec3{0.0, 1.0, 0.0};
     }
@@ -118,8 +170,8 @@ public:
     HWY_INLINE bool run(DistanceCache& last) {
         length_ = std::sqrt(glm::dot(v_, v_));
         probe(corners_.add());
-        SimplexPart part;
-        part.add(0, 1.0);
+        DirectedPart part;
+        part.add(0, 1.0, 1.0);
         const bool is_done = go_on(part);
         note_points(part);
         if (is_done) return true;
@@ -137,27 +189,27 @@ private:
         const std::uint32_t a = a_.lowest(v_), b = b_.lowest(-v_);
         next = {a_.point(a) - b_.point(b), a, b};
         const double bound = glm::dot(v_, next.w) / length_ - rounding_;
-        if (bound > known_.lower) {
-            known_.lower = bound;
+        if (bound > lower_) {
+            lower_ = bound;
             normal_ = v_;
             normal_length_ = length_;
         }
-        ++known_.iterations;
+        ++iterations_;
     }
 
-    [[nodiscard]] HWY_INLINE bool met() const { return known_.upper - known_.lower <= 3.0 * rounding_ + goal_.tolerance * known_.upper; }
+    [[nodiscard]] HWY_INLINE bool met() const { return upper_ - lower_ <= 3.0 * rounding_ + goal_.tolerance * upper_; }
 
     // @return whether the search is done, with `part` what is left of the simplex.
-    HWY_INLINE bool go_on(SimplexPart& part) {
-        v_ = part_point(corners_, part);
-        double length_sq = glm::dot(v_, v_);
+    HWY_INLINE bool go_on(DirectedPart& part) {
+        double distance_sq = glm::dot(corners_[0].w, corners_[0].w);
+        aim(part, corners_[0].w);
         while (true) {
-            length_ = std::sqrt(length_sq);
-            known_.upper = length_ + rounding_;
-            if (!(length_ > 4.0 * rounding_)) return false;
-            if (goal_.decide >= 0.0 && (known_.lower > goal_.decide || known_.upper < goal_.decide)) return true;
+            const double distance = std::sqrt(distance_sq);
+            upper_ = distance + rounding_;
+            if (!(distance > 4.0 * rounding_)) return false;
+            if (goal_.decide >= 0.0 && (lower_ > goal_.decide || upper_ < goal_.decide)) return true;
             if (met()) return true;
-            if (known_.iterations >= goal_.most_iterations) {
+            if (iterations_ >= goal_.most_iterations) {
                 known_.status = DistanceStatus::Stopped;
                 return true;
             }
@@ -170,7 +222,7 @@ private:
                 --corners_.count;
                 return ends;
             }
-            const SimplexPart grown = nearest();
+            const DirectedPart grown = nearest();
             if (grown.count == 4) {
                 if (!holds_origin(corners_, rounding_)) return false;
                 known_.status = DistanceStatus::Overlap;
@@ -178,49 +230,65 @@ private:
             }
             const dvec3 nearer = part_point(corners_, grown);
             const double nearer_sq = glm::dot(nearer, nearer);
-            if (!(nearer_sq < length_sq)) {
+            if (!(nearer_sq < distance_sq)) {
                 --corners_.count;
                 return false;
             }
             part = grown;
             corners_.keep(part);
             for (int i = 0; i < part.count; ++i) part.corner[i] = i;
-            v_ = nearer;
-            length_sq = nearer_sq;
+            aim(part, nearer);
+            distance_sq = nearer_sq;
         }
     }
 
-    [[nodiscard]] HWY_INLINE SimplexPart nearest() const {
+    // The next direction, from b to a: that of the part's point, which need not wait for quotients.
+    HWY_INLINE void aim(const DirectedPart& part, const dvec3& point) {
+        v_ = part_direction(corners_, part);
+        double square = glm::dot(v_, v_);
+        if (!(square > 1e-200)) {  // beyond what squares hold
+            v_ = point;
+            square = glm::dot(v_, v_);
+        }
+        length_ = std::sqrt(square);
+    }
+
+    [[nodiscard]] HWY_INLINE DirectedPart nearest() const {
         switch (corners_.count) {
             case 2:
-                return part_of_segment(corners_, 0, 1);
+                return part_of_segment<DirectedPart>(corners_, 0, 1);
             case 3:
-                return part_of_triangle(corners_, 0, 1, 2);
+                return part_of_triangle<DirectedPart>(corners_, 0, 1, 2);
             default:
-                return part_of_tetrahedron<false>(corners_);
+                return part_of_tetrahedron<false, DirectedPart>(corners_);
         }
     }
 
     // The points that are nearest, unless the simplex holds the origin.
-    HWY_INLINE void note_points(const SimplexPart& part) {
+    HWY_INLINE void note_points(const DirectedPart& part) {
         if (normal_length_ > 0.0) known_.normal = normal_ * (-1.0 / normal_length_);
+        known_.iterations = iterations_;
         if (known_.status == DistanceStatus::Overlap) {
             known_.lower = known_.upper = 0.0;
             return;
         }
+        known_.lower = lower_;
+        known_.upper = upper_;
         for (int i = 0; i < part.count; ++i) {
             known_.on_a += part.weight[i] * a_.point(corners_[part.corner[i]].a);
             known_.on_b += part.weight[i] * b_.point(corners_[part.corner[i]].b);
         }
     }
 
-    const ProximityGoal& goal_;
+    const ProximityGoal goal_;
     const double rounding_;
     PlacedPoints a_, b_;
     Proximity& known_;
     Corners corners_;
     dvec3 v_, normal_{0.0};
     double length_ = 0.0, normal_length_ = 0.0;
+    double lower_, upper_ = std::numeric_limits<double>::infinity();  // of the distance
+    int iterations_ = 0;
 };
 
 bool SearchPoints(const CorePair& pair, const ProximityGoal& goal, Proximity& known, DistanceCache& last) {

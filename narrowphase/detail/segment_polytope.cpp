@@ -211,8 +211,7 @@ void build_patch(const RoundSegment& core, const Polytope& polytope, const Conta
         add(axis.on_a, axis.separation, segment_name(t, axis.feature_b));
     }
     Chosen chosen{};
-    const int count = reduce_points(points, kPointTolerance * size,
-                                    outline_start(axis.normal, axis_u, axis_w), chosen);
+    const int count = reduce_points(points, kPointTolerance * size, outline_start(axis.normal, axis_u, axis_w), 0.0, chosen);
     patch.normal = axis.normal;
     patch.count = 0;
     for (int i = 0; i < count; ++i) {

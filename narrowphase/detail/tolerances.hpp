@@ -41,6 +41,16 @@ inline constexpr double kTouching = 1e-8;
 /// Points of a patch this close to each other, as a share of the size, are one point; depths that differ by less are equal.
 inline constexpr double kPointTolerance = 1e-6;
 
+/// Where a choice of points is to be steady: the deepest of many may be left out if it is deeper than the four that span the patch by no more
+/// than the share of their depth, and by no more than the cap, of the size. Corners that bear nothing sink below those that bear by a
+/// tenth to a quarter of the depth; the cap keeps the depth of what is deep true.
+inline constexpr double kSteadyShare = 0.3;
+inline constexpr double kSteadyCap = 1e-3;
+
+/// Squares of distances between points of a patch are equal from this share of the greatest on. Rounding to floats does less where the patch
+/// is longer than a fiftieth of the size.
+inline constexpr double kAsFar = 1.0 - 0x1p-14;
+
 /// A point bears the name of a corner within this share of the shortest side of the faces.
 inline constexpr double kSnap = 0.02;
 

@@ -23,11 +23,11 @@ bool find_axis(const TruncatedCone& a, const TruncatedCone& b, double margin, Co
 /// Fills `patch` with up to four points. Each of the two shows the axis the feature that faces it best: a flat end or face, a line (of the
 /// side, or the segment), and what the two features share is the contact: face on face a region, a line on a face or on a line along it
 /// two points, anything else the closest or deepest pair of points.
-void build_patch(const TruncatedCone& a, const Polytope& b, const ContactAxis& axis, double margin, AxisPoint axis_point,
+void build_patch(const TruncatedCone& a, const Polytope& b, const ContactAxis& axis, const Asked& asked, AxisPoint axis_point,
                  PolygonScratch& scratch, Patch& patch);
-void build_patch(const TruncatedCone& a, const RoundSegment& b, const ContactAxis& axis, double margin, AxisPoint axis_point,
+void build_patch(const TruncatedCone& a, const RoundSegment& b, const ContactAxis& axis, const Asked& asked, AxisPoint axis_point,
                  PolygonScratch& scratch, Patch& patch);
-void build_patch(const TruncatedCone& a, const TruncatedCone& b, const ContactAxis& axis, double margin, AxisPoint axis_point,
+void build_patch(const TruncatedCone& a, const TruncatedCone& b, const ContactAxis& axis, const Asked& asked, AxisPoint axis_point,
                  PolygonScratch& scratch, Patch& patch);
 
 }  // namespace carom::detail

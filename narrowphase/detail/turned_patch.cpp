@@ -112,10 +112,10 @@ Candidate point_of_axis(const ContactAxis& axis, const ContactPlane& plane) noex
 }
 
 template <class B>
-void patch_of(const TruncatedCone& a, const B& b, const ContactAxis& axis, double margin, AxisPoint axis_point, PolygonScratch& scratch,
+void patch_of(const TruncatedCone& a, const B& b, const ContactAxis& axis, const Asked& asked, AxisPoint axis_point, PolygonScratch& scratch,
               Patch& patch) {
     const double size = common_size(a, b);
-    const ContactPlane plane = contact_plane(axis.normal, margin, kInsideTolerance * size);
+    const ContactPlane plane = contact_plane(axis.normal, asked.margin, kInsideTolerance * size);
 
     const Facet first = facet_of(a, axis.normal, axis, plane, scratch.first);
     const Facet second = facet_of(b, -axis.normal, axis, plane, scratch.second);
@@ -129,29 +129,29 @@ void patch_of(const TruncatedCone& a, const B& b, const ContactAxis& axis, doubl
     patch.normal = plane.normal;
     patch.count = 0;
     const double snap = kSnap * std::min(least_side(first.polygon.corners), least_side(second.polygon.corners));
-    const PatchRule rule{kPointTolerance * size, snap, outline_start(plane.normal, plane.axis_u, plane.axis_w)};
+    const PatchRule rule{kPointTolerance * size, snap, outline_start(plane.normal, plane.axis_u, plane.axis_w), overlook(asked.steady, size)};
     finish_patch(points, first.polygon, second.polygon, rule, patch);
 }
 
 }  // namespace
 
-void build_patch(const TruncatedCone& a, const Polytope& b, const ContactAxis& axis, double margin, AxisPoint axis_point,
+void build_patch(const TruncatedCone& a, const Polytope& b, const ContactAxis& axis, const Asked& asked, AxisPoint axis_point,
                  PolygonScratch& scratch, Patch& patch) {
-    patch_of(a, b, axis, margin, axis_point, scratch, patch);
+    patch_of(a, b, axis, asked, axis_point, scratch, patch);
 }
 
-void build_patch(const TruncatedCone& a, const RoundSegment& b, const ContactAxis& axis, double margin, AxisPoint axis_point,
+void build_patch(const TruncatedCone& a, const RoundSegment& b, const ContactAxis& axis, const Asked& asked, AxisPoint axis_point,
                  PolygonScratch& scratch, Patch& patch) {
-    patch_of(a, b, axis, margin + b.radius, axis_point, scratch, patch);
+    patch_of(a, b, axis, {asked.margin + b.radius, asked.steady}, axis_point, scratch, patch);
     for (PatchPoint& p : patch.points) {
         p.position -= (0.5 * b.radius) * patch.normal;
         p.separation -= b.radius;
     }
 }
 
-void build_patch(const TruncatedCone& a, const TruncatedCone& b, const ContactAxis& axis, double margin, AxisPoint axis_point,
+void build_patch(const TruncatedCone& a, const TruncatedCone& b, const ContactAxis& axis, const Asked& asked, AxisPoint axis_point,
                  PolygonScratch& scratch, Patch& patch) {
-    patch_of(a, b, axis, margin, axis_point, scratch, patch);
+    patch_of(a, b, axis, asked, axis_point, scratch, patch);
 }
 
 }  // namespace carom::detail

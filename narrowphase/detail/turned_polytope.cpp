@@ -14,7 +14,7 @@ CollideStatus touch(const PairFrame& pair, B&& second, Workspace& workspace, Man
     ContactAxis axis;
     if (!find_axis(solid, second, pair.margin, axis, status)) return status;
     Patch patch;
-    build_patch(solid, second, axis, pair.margin, AxisPoint::Keep, workspace.polygons, patch);
+    build_patch(solid, second, axis, pair.asked(), AxisPoint::Keep, workspace.polygons, patch);
     if (patch.count > 0) sink.add(patch);
     return status;
 }

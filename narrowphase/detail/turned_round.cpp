@@ -107,7 +107,8 @@ CollideStatus turned_plane(const PairFrame& pair, Workspace& workspace, Manifold
     if (plane.distance(upper_point) < deepest - tolerance) add_to_plane(upper_point, plane, pair.margin, kRimPoint + 1, scratch, contact);
 
     Chosen chosen{};
-    const int count = reduce_points(scratch.candidates, tolerance, outline_start(patch.normal, contact.axis_u, contact.axis_w), chosen);
+    const int count = reduce_points(scratch.candidates, tolerance, outline_start(patch.normal, contact.axis_u, contact.axis_w),
+                                    overlook(pair.steady, solid.size()), chosen);
     for (int i = 0; i < count; ++i) {
         const Candidate& c = scratch.candidates[static_cast<std::size_t>(chosen[static_cast<std::size_t>(i)])];
         patch.add(c.position, c.separation, c.feature);

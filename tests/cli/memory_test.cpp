@@ -33,12 +33,14 @@ TEST(CliMemory, IsWhatTheBodiesTake) {
 
 // docs/performance.md has the figure. What is in the air and hits the ground has twice as many contacts as what lies.
 TEST(CliMemory, OfASettledPileIsWhatThePageSays) {
-    const Json bytes = bytes_of("1000", "450");
-    if (bytes.is_null()) GTEST_SKIP() << "the C library does not say";
-    const double each = bytes.get<double>() / 1000.0;
-    EXPECT_LT(each, 3'800.0);
-    EXPECT_GT(each, 2'400.0);
-    EXPECT_EQ(bytes, bytes_of("1000", "450")) << "the same run takes the same memory";
+    const Json memory = memory_of("1000", "600"), again = memory_of("1000", "600");
+    if (memory.at("world_bytes").is_null()) GTEST_SKIP() << "the C library does not say";
+    const double bytes = memory.at("world_bytes").get<double>();
+    EXPECT_LT(bytes / 1000.0, 3'250.0);
+    EXPECT_GT(bytes / 1000.0, 2'400.0);
+    EXPECT_EQ(memory.at("parts"), again.at("parts")) << "the same run takes the same memory";
+    // What malloc adds to blocks that are to be aligned hangs on where they come to lie: some 2,000 bytes.
+    EXPECT_NEAR(again.at("world_bytes").get<double>(), bytes, 1e-2 * bytes);
 }
 
 // What malloc gave out for the world and its scene is what the parts add up to, but for what it adds to each list and what the narrowphase holds.

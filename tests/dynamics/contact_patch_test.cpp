@@ -18,7 +18,6 @@ using Expected = std::vector<std::vector<std::pair<std::uint64_t, float>>>;
 ContactPair pair_of(std::uint64_t key) {
     ContactPair pair;
     pair.key = key;
-    pair.proxy_a = static_cast<std::uint32_t>(key);
     return pair;
 }
 

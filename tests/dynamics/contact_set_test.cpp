@@ -35,8 +35,8 @@ ContactSet set_of(std::initializer_list<std::uint64_t> keys, std::vector<Manifol
     link_manifolds(set, [&](std::uint32_t candidate) {
         ContactPair pair;
         pair.key = all[candidate];
-        pair.shape_a = {1, 7};
-        pair.shape_b = {2, generation};
+        pair.generation_a = 7;
+        pair.generation_b = generation;
         return pair;
     }, carried(before), scale, executor);
     return set;
@@ -174,9 +174,9 @@ TEST(CarriedContacts, AreTheSameOnAnyThreadsAndTakeAQuarterOfTheContacts) {
             }
         }
     }
-    // Of a pile's pairs, which have one manifold with two points: 72 of 256 bytes.
+    // Of a pile's pairs, which have one manifold with two points: 72 of 240 bytes.
     EXPECT_EQ(sizeof(CarriedPair) + 2 * sizeof(CarriedPoint), 72u);
-    EXPECT_EQ(sizeof(ContactPair) + sizeof(Manifold) + sizeof(ManifoldImpulses), 256u);
+    EXPECT_EQ(sizeof(ContactPair) + sizeof(Manifold) + sizeof(ManifoldImpulses), 240u);
 }
 
 TEST(CarriedContacts, WhatWakesComesInByKey) {

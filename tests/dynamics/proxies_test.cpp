@@ -129,6 +129,18 @@ TEST(Proxies, QuarantineTakesOneBoxOutAndReleasePutsItBack) {
     EXPECT_EQ(report.boxes_removed, 0u);
 }
 
+// What was never valid has no pose to go back to, and least of all that of the body which had its slot before.
+TEST(Proxies, QuarantineHasNoPoseOfTheBodyBefore) {
+    World world;
+    const BodyId gone = world.create_body({.position = {5, 6, 7}});
+    world.step(kDt);
+    world.destroy_body(gone);
+    const BodyId wild = world.create_body({.position = {1, 2, 3}, .linear_velocity = {1e16, 0, 0}});
+    ASSERT_EQ(wild.slot, gone.slot);
+    ASSERT_EQ(world.step(kDt).quarantined.size(), 1u);
+    EXPECT_EQ(world.pose(wild), Pose{});
+}
+
 TEST(Proxies, TheOriginStaysUntilTheSceneHasLeftIt) {
     Field field(8);
     World& world = field.world;
@@ -288,7 +300,7 @@ TEST(Proxies, AreListedAgainUntilTheBroadphaseTookThemOver) {
     bodies.states.resize(1);
     bodies.masses.resize(1);
     bodies.roles.assign(1, dynamics::Role::Static);
-    dynamics::Proxy proxy;
+    dynamics::NewProxy proxy;
     proxy.id = {0, 1};
     proxy.shape = Box{};
     SerialExecutor serial;

@@ -47,7 +47,7 @@ struct Flyer {
         bodies.states = {from};
         bodies.roles = {Role::Dynamic};
         bodies.masses.resize(1);
-        Proxy proxy;
+        NewProxy proxy;
         proxy.shape = some_shape(kind);
         proxy.local = kind % 3 == 0 ? Pose{} : Pose{some_vector(random, 1.0), test::random_rotation(random)};
         proxy.reach = glm::length(proxy.local.position) + bounding_radius(proxy.shape);
@@ -127,7 +127,7 @@ TEST(Strays, OfPlanesNothingIsKnown) {
     Random random(5);
     Flyer flyer(random, 0, 1.0, 1.0, 0.0);
     EXPECT_TRUE(flyer.stays(flyer.from));
-    Proxy plane;
+    NewProxy plane;
     plane.shape = Plane{{0, 1, 0}, 0};
     plane.id = {0, 2};
     put_proxy(flyer.proxies, plane, {});

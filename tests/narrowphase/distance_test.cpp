@@ -6,6 +6,8 @@
 #include <carom/core/check.hpp>
 #include <carom/narrowphase/overlap.hpp>
 
+#include "oracle.hpp"
+
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -255,6 +257,22 @@ TEST(DistanceMisuse, IsReportedAndGivesNothing) {
     EXPECT_EQ(r.status, DistanceStatus::Stopped);
     EXPECT_EQ(r.lower, 0.0);
     EXPECT_TRUE(std::isinf(r.upper));
+}
+
+// Directions that are known before the quotients of the nearest point lead there as fast.
+TEST(Distance, OfTwoHullsTakesFewRounds) {
+    Random r(67);
+    int rounds = 0, apart = 0;
+    for (int i = 0; i < 1000; ++i) {
+        const Shape a = test::random_hull(r, 32, 0.4, 1.0), b = test::random_hull(r, 32, 0.4, 1.0);
+        const DistanceResult found = distance(a, {}, b, {test::random_direction(r) * r.range(0.5, 2.4), test::random_rotation(r)});
+        if (found.status == DistanceStatus::Overlap) continue;
+        ASSERT_EQ(found.status, DistanceStatus::Converged) << i;
+        rounds += found.iterations;
+        ++apart;
+    }
+    EXPECT_GT(apart, 400);
+    EXPECT_LT(rounds, 5.5 * apart);
 }
 
 }  // namespace

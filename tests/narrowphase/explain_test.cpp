@@ -63,6 +63,17 @@ TEST(Explain, ACubeOverACubeIsApartByTheGapBetweenTheirFaces) {
     EXPECT_EQ(why.disagreement, "");
 }
 
+// Beside an edge: 0.02 along either face's normal, and 0.0283 in truth.
+TEST(Explain, CubesBesideEachOthersEdgesAreAsFarApartAsTheyAre) {
+    for (const float margin : {0.019f, 0.024f, 0.028f, 0.0285f, 0.05f}) {
+        const PairExplanation why = explain_at(kCube, {}, kCube, {{1.02, 1.02, 0.25}}, margin);
+        EXPECT_EQ(why.manifolds.size(), margin > 0.0283f ? 1u : 0u) << margin;
+        ASSERT_TRUE(why.axis);
+        EXPECT_NEAR(why.axis->gap, 0.02 * std::sqrt(2.0), 1e-9);
+        EXPECT_EQ(why.disagreement, "") << margin;
+    }
+}
+
 TEST(Explain, ACubeInACubeOverlapsAlongTheFaceAndSharesHalfOfIt) {
     const PairExplanation why = explain_at(kCube, {}, kCube, {{0.5, 0.9, 0.0}});
     EXPECT_EQ(why.verdict, PairVerdict::Touching);

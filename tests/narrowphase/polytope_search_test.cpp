@@ -114,6 +114,26 @@ TEST(PolytopeSearch, FindsTheBestAgainstATriangle) {
     EXPECT_GT(without_arcs, 100);
 }
 
+// A small triangle over the edge of a sharp wedge: 0.115 along y, where edges cross, and 0.08 along the triangle's own normal; but no corner of it is
+// higher than 0.04 over either side of the wedge.
+TEST(PolytopeSearch, OverASharpEdgeTwoEdgesMayDoBetterThanAllTheirFaces) {
+    Polytope wedge, triangle;
+    const float half_base = 0.17632698f;  // of 20 degrees
+    const ConvexHullPtr hull = hull_of({{0, 0, -1}, {0, 0, 1}, {half_base, -1, -1}, {half_base, -1, 1}, {-half_base, -1, -1}, {-half_base, -1, 1}});
+    detail::load_hull(wedge, *hull, dmat3{1.0}, dvec3{0.0});
+    ASSERT_TRUE(detail::load_triangle(triangle, {dvec3{-0.02, 0.115, 0.0}, dvec3{0.02, 0.115, 0.0}, dvec3{0.0, 0.1325, 0.5}}));
+    const double face = std::max(best_face(wedge, triangle), best_face(triangle, wedge)), edges = best_edges(wedge, triangle);
+    ASSERT_NEAR(face, 0.08, 1e-3);
+    ASSERT_NEAR(edges, 0.115, 1e-6);
+    for (const int width : available_simd_widths()) {
+        set_simd_width(width);
+        const detail::Separations found = detail::find_separations(wedge, triangle, wedge.centre, triangle.centre, 1.0);
+        set_simd_width(0);
+        EXPECT_NEAR(found.of_b.separation, face, 1e-14) << width;
+        EXPECT_NEAR(found.edges.separation, edges, 1e-14) << width;
+    }
+}
+
 TEST(PolytopeSearch, AFaceThatSeparatesByMoreEndsIt) {
     Polytope a, b;
     detail::load_box(a, dvec3{0.5});
