@@ -1,6 +1,5 @@
 #include <carom/dynamics/detail/continuous.hpp>
 
-#include <carom/broadphase/queries.hpp>
 #include <carom/dynamics/detail/room.hpp>
 #include <carom/dynamics/detail/slender.hpp>
 #include <carom/dynamics/detail/strays.hpp>
@@ -26,8 +25,6 @@ void list_marked(std::span<const unsigned char> marks, std::vector<std::uint32_t
         if (marks[slot] != 0) slots.push_back(slot);
     }
 }
-
-bool moves(Role role) noexcept { return role == Role::Dynamic || role == Role::Kinematic; }
 
 /// How far a point of a body may be from where it was, at most.
 double motion_of(const Pose& from, const BodyState& to, double reach, double dt) noexcept {
@@ -199,7 +196,7 @@ void Continuous::list_strays(const ContinuousScene& scene) {
     list_marked(is_stray_, strays_);
     number_of_stray_.assign(is_stray_.size(), kNone);
     stray_boxes_.clear();
-    for (const std::uint32_t slot : strays_) note_way(slot, movers_[mover_of(scene, slot)].path);
+    for (const std::uint32_t slot : strays_) note_way(scene, slot, movers_[mover_of(scene, slot)].path);
 }
 
 BodyState Continuous::state_at(const ContinuousScene& scene, const Mover& mover, double t) const {
@@ -258,6 +255,7 @@ void Continuous::lay_path(const ContinuousScene& scene, Mover& mover) const {
     } else {
         mover.path.go({.start = now.pose});
     }
+    mover.course = course_of(mover.path);
 }
 
 std::uint32_t Continuous::mover_of(const ContinuousScene& scene, std::uint32_t slot) {
@@ -334,45 +332,6 @@ bool Continuous::stay_together(const ContinuousScene& scene, std::uint32_t slot_
         ++side;
     }
     return motion + glm::length(velocity[0] - velocity[1]) * scene.dt <= settings_.motion * extent;
-}
-
-bool Continuous::may_meet(const ContinuousScene& scene, std::uint32_t p, std::uint32_t q) const {
-    const std::uint32_t body_p = scene.proxies.bodies[p], body_q = scene.proxies.bodies[q];
-    const Role role_p = scene.bodies.roles[body_p], role_q = scene.bodies.roles[body_q];
-    return body_p != body_q && role_q != Role::Absent && (has_mass(role_p) || has_mass(role_q)) &&
-           filters_agree(scene.proxies.filters[p], scene.proxies.filters[q]) && !scene.parted(body_p, body_q);
-}
-
-void Continuous::note_way(std::uint32_t slot, const BodyPath& path) {
-    std::uint32_t& number = number_of_stray_[slot];
-    if (number == kNone) number = static_cast<std::uint32_t>(stray_boxes_.size());
-    stray_boxes_.set(number, path.box(sizes_[slot].reach));
-}
-
-void Continuous::for_each_near(const ContinuousScene& scene, const Mover& mover, std::uint32_t proxy, Ask ask, FunctionRef<void(std::uint32_t q)> visit) {
-    const std::uint64_t look = ++look_;
-    seen_.resize(scene.proxies.by_slot.size(), 0);
-    const auto see = [&](std::uint32_t q) {
-        if (std::exchange(seen_[q], look) != look && may_meet(scene, proxy, q)) visit(q);
-        return true;
-    };
-    if (scene.proxies.kinds[proxy] == ProxyKind::Plane) {
-        for (std::uint32_t q = 0; q < scene.proxies.by_slot.size(); ++q) {
-            if (scene.proxies.kinds[q] == ProxyKind::Bounded) see(q);
-        }
-        return;
-    }
-    const double reach = scene.proxies.by_slot[proxy].reach;
-    const PathPiece way = mover.path.piece(BodyPath::kWhole);  // a copy: visits split paths
-    const dvec3 at = way.start.position - scene.proxies.origin, round{reach + way.sway};
-    if (ask == Ask::Everybody) query_swept_box(scene.broadphase, at - round, at + round, way.translation, see);
-    for (const std::uint32_t plane : scene.proxies.planes) see(plane);
-    const Aabb box = box_of(way, reach);
-    stray_boxes_.for_each_meeting(box, [&](std::size_t k) {  // visits may add some
-        const std::uint32_t slot = strays_[k];
-        if (slot == mover.slot) return;
-        for (std::uint32_t i = first_proxy_[slot]; i < first_proxy_[slot + 1]; ++i) see(proxies_[i]);
-    });
 }
 
 }  // namespace carom::dynamics

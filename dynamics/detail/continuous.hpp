@@ -4,6 +4,8 @@
 //   continuous.depart(slot, state); ...; continuous.arrive(slot, state);
 //   if (continuous.look(scene)) continuous.run(scene);   // after everybody has moved
 //
+// continuous.cpp has the bodies and their paths, continuous_near.cpp who is near one, continuous_search.cpp when two meet, continuous_events.cpp what comes of it.
+//
 // Impacts come in the order of their times. At each the two bodies get new velocities and new paths for the rest of the step, and all that is near these is
 // asked for again: of the broadphase, and of those that have left the boxes it knows (strays).
 //
@@ -16,6 +18,8 @@
 #include <carom/dynamics/continuous_settings.hpp>
 #include <carom/dynamics/detail/body_path.hpp>
 #include <carom/dynamics/detail/body_sizes.hpp>
+#include <carom/dynamics/detail/course_table.hpp>
+#include <carom/dynamics/detail/first_chance.hpp>
 #include <carom/dynamics/detail/first_touch.hpp>
 #include <carom/dynamics/detail/grouped_boxes.hpp>
 #include <carom/dynamics/detail/least_shift.hpp>
@@ -61,6 +65,8 @@ struct SweptPair {
 /// @return how finely the path of a body is cut.
 [[nodiscard]] PathSettings path_settings(const BodySize& size, double dt);
 inline constexpr double kSweepToleranceShare = 1e-4;  // of the smallest extent: how near a search comes
+inline constexpr int kLevelOfContacts = 4;  // at which contacts of the solver are watched
+inline constexpr double kSweepRoomShare = 2.0 * kSweepToleranceShare;  // likewise: nearer than that nothing is without a chance to touch
 
 class Continuous {
 public:
@@ -94,6 +100,7 @@ public:
 
 private:
     static constexpr std::uint32_t kNone = ~std::uint32_t{0};
+    [[nodiscard]] static bool moves(Role role) noexcept { return role == Role::Dynamic || role == Role::Kinematic; }
     static constexpr double kSlowShare = 0.01;  // of the smallest extent, in a step: slower is no impact
     static constexpr double kSlowedTurn = 0.99 * kMostTurn;  // in a step: what spins faster is slowed down to that [rad]
 
@@ -125,6 +132,7 @@ private:
         std::uint32_t version = 0;
         Ride ride;              ///< of what is carried
         BodyPath path;
+        Course course;              ///< the path at a glance
     };
     /// What comes of an event to a body.
     struct Outcome {
@@ -164,6 +172,15 @@ private:
         }
     };
 
+    /// Two that may meet from `t` on, by first_chance(): their time of impact is asked for when everything earlier has happened, if neither has been struck until then.
+    struct Chance {
+        double t = 0.0, from = 0.0;
+        Pair pair;
+        std::uint32_t version_a = 0, version_b = 0;  ///< of the movers
+
+        static bool later(const Chance& x, const Chance& y) noexcept { return std::tie(x.t, x.pair.a, x.pair.b) > std::tie(y.t, y.pair.a, y.pair.b); }
+    };
+
     void list_bodies(const ContinuousScene& scene);
     [[nodiscard]] bool has_plane(const ContinuousScene& scene, std::uint32_t slot) const;
     /// How far a point of a body may have come, and what is left to contacts [m].
@@ -179,7 +196,7 @@ private:
     void slow_at_end(const ContinuousScene& scene, BodyState& state);
     void list_strays(const ContinuousScene& scene);
     /// Of a stray, or of what has become one.
-    void note_way(std::uint32_t slot, const BodyPath& path);
+    void note_way(const ContinuousScene& scene, std::uint32_t slot, const BodyPath& path);
     [[nodiscard]] bool goes_astray(const ContinuousScene& scene, std::uint32_t slot) const;
 
     std::uint32_t mover_of(const ContinuousScene& scene, std::uint32_t slot);
@@ -188,19 +205,52 @@ private:
 
     /// Whom the broadphase is asked for; planes and strays are visited in any case.
     enum class Ask : unsigned char { Everybody, StraysOnly };
-    void for_each_near(const ContinuousScene& scene, const Mover& mover, std::uint32_t proxy, Ask ask, FunctionRef<void(std::uint32_t q)> visit);
+    /// Each once. @param from, to  when; in a crowd what is not near then is passed over. @param near  a scratch list.
+    void for_each_near(const ContinuousScene& scene, const Mover& mover, std::uint32_t proxy, Ask ask, double from, double to, std::vector<std::uint32_t>& near,
+                       FunctionRef<void(std::uint32_t q)> visit) const;
     /// Pairs that the broadphase found for this step hold for who stayed in his boxes; who strayed asks anew.
     void search_from_start(const ContinuousScene& scene);
     /// Those of the broadphase's pairs with somebody fast and nobody astray, in parts that follow each other.
     void list_fast_pairs(const ContinuousScene& scene, std::span<const ProxyPair> found);
+    /// Whether so much is fast, and goes so far, that asking who is where and when is less work than asking for boxes, if it is asked often.
+    [[nodiscard]] bool may_crowd(const ContinuousScene& scene) const;
+    /// Whether it is less for who is fast when the step begins.
+    [[nodiscard]] bool crowds_at_start(const ContinuousScene& scene, bool complete) const;
+    void list_courses(const ContinuousScene& scene);
     /// keep_company() of the rest of a step, by the velocities that the two have now.
     [[nodiscard]] bool stay_together(const ContinuousScene& scene, std::uint32_t slot_a, std::uint32_t slot_b) const;
     [[nodiscard]] bool may_meet(const ContinuousScene& scene, std::uint32_t p, std::uint32_t q) const;
-    /// Of one that is fast, before anybody met anything: of two that are fast, the one of the lesser slot asks.
-    void search_first(const ContinuousScene& scene, std::uint32_t mover, Ask ask);
-    /// Of one whose path is new, even if that begins with the step. @param skip  the slot of a body that is left out.
-    void search_all(const ContinuousScene& scene, std::uint32_t mover, double from, std::uint32_t skip);
-    void search(const ContinuousScene& scene, const Pair& pair, double from, int level);
+    /// Of somebody who begins a path: who is near it, but for the body in the slot `skip`.
+    struct Around {
+        std::uint32_t mover = 0, skip = kNone;
+    };
+    void search_around(const ContinuousScene& scene, std::span<const Around> around, double from);
+    void search_all(const ContinuousScene& scene, std::uint32_t mover, double from, std::uint32_t skip) {
+        const Around one{mover, skip};
+        search_around(scene, {&one, 1}, from);
+    }
+    /// Those who are fast when the step begins, with those who do not ask themselves.
+    void search_first(const ContinuousScene& scene, bool all_ask);
+    /// Searches in order those who may meet at once, and expects the others when it comes to that.
+    void search_some(const ContinuousScene& scene, std::span<const Pair> pairs, double from);
+    [[nodiscard]] double first_chance_of(const ContinuousScene& scene, const Pair& pair, double from) const;
+    void take_chance(const ContinuousScene& scene);
+    [[nodiscard]] PathSearch search_of(const ContinuousScene& scene, const Pair& pair, double from, int level);
+    /// @param earliest  of the times that the search may find; they are not touching before.
+    void search(const ContinuousScene& scene, const Pair& pair, double from, int level, double earliest = 0.0);
+    void take_answer(const ContinuousScene& scene, const Pair& pair, const PathSearch& answer, bool met, double earliest);
+    /// Two that are looked at together with others: many threads look, and one takes the answers in their order.
+    struct Probe {
+        Pair pair;
+        std::uint32_t version_a = 0, version_b = 0;  ///< of the movers
+        double chance = 0.0;
+        bool met = false;
+        std::optional<PathSearch> answer{};          ///< of those who may meet at once, unless who takes it is to ask
+    };
+    void look_together(const ContinuousScene& scene, std::span<Probe> probes, double from);
+    void look(const ContinuousScene& scene, Probe& probe, double from);
+    void take(const ContinuousScene& scene, const Probe& probe, double from);
+    [[nodiscard]] bool is_current(const ContinuousScene& scene, const Pair& pair, std::uint32_t version_a, std::uint32_t version_b) const;
     [[nodiscard]] Pair order(const ContinuousScene& scene, std::uint32_t p, std::uint32_t q) const {
         return swept_order(scene.proxies, scene.bodies.roles, p, q);
     }
@@ -263,8 +313,18 @@ private:
     std::vector<std::uint32_t> number_of_stray_;  // by slot: in these
     std::vector<unsigned char> is_stray_;      // by slot
     std::vector<std::uint32_t> mover_of_slot_;
+    bool crowd_ = false, no_crowd_ = false;    // the latter: it was looked at, and is none
+    std::size_t looks_ = 0;                    // around movers, until that is known
+    CourseTable courses_;                      // of proxies_
+    struct alignas(64) Finder {                // what one thread finds
+        std::vector<std::uint32_t> near;
+        std::vector<Pair> pairs;
+    };
+    std::vector<Finder> finders_;
+    std::vector<Probe> probes_;                // unless somebody has it
+    std::vector<std::uint32_t> at_once_;       // of these
     struct alignas(64) FastPairs {             // what one thread found
-        std::vector<ProxyPair> pairs;
+        std::vector<Pair> pairs;
     };
     std::vector<FastPairs> fast_pairs_;
     std::deque<Mover> movers_;
@@ -274,11 +334,12 @@ private:
     Uses runs_;
     std::size_t mover_count_ = 0;              // those beyond keep their memory
     std::vector<Event> events_;                // a heap
-    std::vector<std::uint64_t> seen_;          // by proxy: the look in which it was seen
-    std::uint64_t look_ = 0;
+    std::vector<Chance> chances_;              // likewise
     std::int64_t budget_ = 0;                  // impacts that are left in this step
     std::int64_t pieces_left_ = 0;
     std::size_t most_pairs_ = 0;
+    std::size_t most_chances_ = 0;
+    std::size_t chance_count_ = 0;             // of this step
     Meeting meeting_;
     std::vector<Manifold> manifolds_;
     std::vector<Obstacle> obstacles_;

@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <tuple>
 
 namespace carom::dynamics {
 namespace {
@@ -15,8 +13,8 @@ namespace {
 constexpr std::int64_t kLeastBudget = 1024, kBudgetPerBody = 64;     // impacts
 constexpr std::int64_t kLeastPairs = 16384, kPairsPerBody = 256;     // times of impact
 constexpr std::int64_t kLeastPieces = 65536, kPiecesPerBody = 1024;  // pieces of paths that are looked at for them
+constexpr std::size_t kChancesPerPair = 16;                          // bounds of times of impact, for each time of impact that may be asked for
 constexpr int kNoBlow = 0, kPush = 1, kImpact = 16;  // what goes to a body's account: what is kinematic goes on, and must not find it standing still
-constexpr int kLevelOfContacts = 4;        // at which contacts of the solver are watched
 constexpr double kMarginShare = 1e-3;     // of the same: how far points of contact are looked for beyond that
 
 /// What the solver moved has the velocity of the step's end, and with it what gravity does in the part of the step that a body which stops does not go. Taken out,
@@ -34,14 +32,24 @@ void Continuous::run(const ContinuousScene& scene) {
     mover_of_slot_.assign(slots, kNone);
     mover_count_ = 0;
     events_.clear();
+    chances_.clear();
+    crowd_ = no_crowd_ = false;
+    if (finders_.empty()) finders_.resize(1);
+    looks_ = 0;
     const auto followed = static_cast<std::int64_t>(fast_.size());
     budget_ = kLeastBudget + kBudgetPerBody * followed;
     most_pairs_ = static_cast<std::size_t>(kLeastPairs + kPairsPerBody * followed);
+    most_chances_ = kChancesPerPair * most_pairs_;
+    chance_count_ = 0;
     pieces_left_ = kLeastPieces + kPiecesPerBody * followed;
     cores_.forget_unused();
     list_strays(scene);
     search_from_start(scene);
-    while (!events_.empty()) {
+    while (!events_.empty() || !chances_.empty()) {
+        if (events_.empty() || (!chances_.empty() && chances_.front().t <= events_.front().t)) {
+            take_chance(scene);
+            continue;
+        }
         std::pop_heap(events_.begin(), events_.end(), Event::later);
         const Event event = events_.back();
         events_.pop_back();
@@ -55,101 +63,6 @@ void Continuous::run(const ContinuousScene& scene) {
         note_leg(i, 1.0);
     }
     paths_ = nullptr;
-}
-
-void Continuous::list_fast_pairs(const ContinuousScene& scene, std::span<const ProxyPair> found) {
-    constexpr std::size_t kPart = 4096;
-    const std::size_t parts = (found.size() + kPart - 1) / kPart;
-    if (fast_pairs_.size() < parts) fast_pairs_.resize(parts);
-    for (FastPairs& part : fast_pairs_) part.pairs.clear();
-    scene.executor.parallel_for(parts, 1, [&](std::size_t begin, std::size_t end) {
-        for (std::size_t k = begin; k < end; ++k) {
-            for (const ProxyPair& pair : found.subspan(k * kPart, std::min(kPart, found.size() - k * kPart))) {
-                const std::uint32_t a = scene.proxies.bodies[pair.a], b = scene.proxies.bodies[pair.b];
-                if ((is_fast_[a] | is_fast_[b]) != 0 && (is_stray_[a] | is_stray_[b]) == 0) fast_pairs_[k].pairs.push_back(pair);
-            }
-        }
-    });
-}
-
-void Continuous::search_from_start(const ContinuousScene& scene) {
-    const PairUpdate& found = scene.broadphase.result();
-    const bool complete = found.status == PairStatus::Complete;
-    const auto asks = [&](std::uint32_t slot) { return !complete || is_stray_[slot] != 0; };
-    if (complete) {
-        list_fast_pairs(scene, found.pairs);
-        for (const FastPairs& part : fast_pairs_) {
-            for (const ProxyPair& pair : part.pairs) {
-                if (keep_company(scene, scene.proxies.bodies[pair.a], scene.proxies.bodies[pair.b]) || !may_meet(scene, pair.a, pair.b)) continue;
-                search(scene, order(scene, pair.a, pair.b), 0.0, 0);
-            }
-        }
-    }
-    if (complete && strays_.empty() && scene.proxies.planes.empty()) return;
-    for (const std::uint32_t slot : fast_) search_first(scene, mover_of(scene, slot), asks(slot) ? Ask::Everybody : Ask::StraysOnly);
-}
-
-SweptPair swept_order(const ProxySet& proxies, const std::vector<Role>& roles, std::uint32_t p, std::uint32_t q) {
-    const auto mass = [&](std::uint32_t proxy) { return has_mass(roles[proxies.bodies[proxy]]); };
-    const auto mesh = [&](std::uint32_t proxy) { return type_of(proxies.by_slot[proxy].shape) == ShapeType::TriangleMesh; };
-    const double size_p = proxies.extents[p], size_q = proxies.extents[q];
-    const bool larger = size_q > size_p || (size_q == size_p && q < p);
-    const bool swap = mass(p) != mass(q) ? mass(q) : mesh(p) != mesh(q) ? mesh(p) : larger;
-    return swap ? SweptPair{q, p} : SweptPair{p, q};
-}
-
-double swept_size(const ProxySet& proxies, const SweptPair& pair) {
-    return std::min(proxies.extents[pair.a],
-                    proxies.kinds[pair.b] == ProxyKind::Plane ? std::numeric_limits<double>::infinity() : proxies.extents[pair.b]);
-}
-
-void Continuous::search_first(const ContinuousScene& scene, std::uint32_t number, Ask ask) {
-    const Mover& mover = movers_[number];
-    for (std::uint32_t k = first_proxy_[mover.slot]; k < first_proxy_[mover.slot + 1]; ++k) {
-        const std::uint32_t p = proxies_[k];
-        for_each_near(scene, mover, p, ask, [&](std::uint32_t q) {
-            const std::uint32_t other = scene.proxies.bodies[q];
-            const bool other_asks = is_fast_[other] != 0 && other < mover.slot;
-            if (!other_asks && !keep_company(scene, mover.slot, other)) search(scene, order(scene, p, q), 0.0, 0);
-        });
-    }
-}
-
-void Continuous::search_all(const ContinuousScene& scene, std::uint32_t number, double from, std::uint32_t skip) {
-    const Mover& mover = movers_[number];
-    for (std::uint32_t k = first_proxy_[mover.slot]; k < first_proxy_[mover.slot + 1]; ++k) {
-        const std::uint32_t p = proxies_[k];
-        for_each_near(scene, mover, p, Ask::Everybody, [&](std::uint32_t q) {
-            const std::uint32_t other = scene.proxies.bodies[q];
-            if (other != skip && !stay_together(scene, mover.slot, other)) search(scene, order(scene, p, q), from, 0);
-        });
-    }
-}
-
-void Continuous::search(const ContinuousScene& scene, const Pair& pair, double from, int level) {
-    const Proxy &a = scene.proxies.by_slot[pair.a], &b = scene.proxies.by_slot[pair.b];
-    const std::uint32_t body_a = scene.proxies.bodies[pair.a], body_b = scene.proxies.bodies[pair.b];
-    const std::uint32_t number_a = mover_of(scene, body_a), number_b = mover_of(scene, body_b);
-    if (go_together(scene, number_a, number_b)) return;
-    Mover &mover_a = movers_[number_a], &mover_b = movers_[number_b];
-    PathSearch search{.a = {&mover_a.path, &a.shape, &a.local, a.reach}, .b = {&mover_b.path, &b.shape, &b.local, b.reach}};
-    search.level = level;
-    search.from = from;
-    search.tolerance = kSweepToleranceShare * size_of(scene, pair);
-    const Role role = scene.bodies.roles[body_b];
-    if (role == Role::Static || scene.proxies.kinds[pair.b] == ProxyKind::Plane) {
-        search.still = scene.proxies.kinds[pair.b] == ProxyKind::Plane ? kEverywhere : bounds(b.shape, scene.proxies.poses[pair.b]);
-    }
-    if (++counts_.pairs > most_pairs_) budget_ = 0;
-    const bool met = touch(search, from, 1.0, cores_);
-    pieces_left_ -= search.pieces;
-    if (pieces_left_ < 0) budget_ = 0;
-    if (!met) return;
-    counts_.clamped += search.impact.status == ImpactStatus::Clamped ? 1 : 0;
-    // What touches from the start is the solver's.
-    if (search.t == from && (from == 0.0 || level > 0)) return search_deeper(scene, pair, from, from == 0.0 ? std::max(level, kLevelOfContacts - 1) : level);
-    events_.push_back({search.t, pair, level, mover_a.version, mover_b.version, search.impact, search.bend});
-    std::push_heap(events_.begin(), events_.end(), Event::later);
 }
 
 // As the shapes are, whatever their paths may bend.
@@ -252,8 +165,8 @@ void Continuous::resolve(const ContinuousScene& scene, const Event& event) {
     const std::uint32_t onto_a = carrier_of(scene, number_a), onto_b = carrier_of(scene, number_b);
     strike(scene, number_a, event.t, {state_a, cause, to_a, onto_b});
     if (b_gives_way) strike(scene, number_b, event.t, {state_b, cause, blow ? kImpact : kNoBlow, onto_a});
-    search_all(scene, number_a, event.t, kNone);
-    if (b_gives_way) search_all(scene, number_b, event.t, slot_a);
+    const Around both[]{{number_a, kNone}, {number_b, slot_a}};
+    search_around(scene, std::span{both}.first(b_gives_way ? 2 : 1), event.t);
 }
 
 // The rest of the step begins anew for a body that was struck, or whose chord would go on where its velocity does not. What the solver had moved
@@ -297,7 +210,7 @@ void Continuous::strike(const ContinuousScene& scene, std::uint32_t number, doub
     }
     lay_path(scene, mover);
     if (number_of_stray_[mover.slot] == kNone) strays_.push_back(mover.slot);
-    note_way(mover.slot, mover.path);
+    note_way(scene, mover.slot, mover.path);
 }
 
 void Continuous::note_leg(std::uint32_t number, double end) {

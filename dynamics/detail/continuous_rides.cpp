@@ -100,7 +100,7 @@ void Continuous::crush(const ContinuousScene& scene, std::uint32_t number, doubl
     mover.carrier = kNone;
     note_stop(mover, t, StopCause::Crushed);
     lay_path(scene, mover);
-    note_way(mover.slot, mover.path);
+    note_way(scene, mover.slot, mover.path);
     search_all(scene, number, t, kNone);
 }
 

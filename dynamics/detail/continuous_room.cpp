@@ -28,11 +28,13 @@ void Continuous::part(const ContinuousScene& scene, const Event& event, Pose& a,
 double Continuous::room_for(const ContinuousScene& scene, std::uint32_t slot, std::uint32_t partner, double t, const Pose& from,
                             const dvec3& shift) {
     double room = 1.0;
+    std::vector<std::uint32_t>& near = finders_.front().near;
     shifted_.slot = slot;
     shifted_.path.go({.start = from, .translation = shift});
+    shifted_.course = {.at = from.position, .play = glm::length(shift)};
     for (std::uint32_t k = first_proxy_[slot]; k < first_proxy_[slot + 1]; ++k) {
         const std::uint32_t p = proxies_[k];
-        for_each_near(scene, shifted_, p, Ask::Everybody, [&](std::uint32_t q) {
+        for_each_near(scene, shifted_, p, Ask::Everybody, t, t, near, [&](std::uint32_t q) {
             const std::uint32_t other = scene.proxies.bodies[q];
             if (other == partner) return;
             standing_.go({.start = state_at(scene, movers_[mover_of(scene, other)], t).pose});
@@ -54,16 +56,21 @@ double Continuous::room_for(const ContinuousScene& scene, std::uint32_t slot, st
 void Continuous::trim() {
     trim_kept(departures_);
     if (!runs_.take_seldom()) return;
-    drop(number_of_stray_, is_stray_, mover_of_slot_, fast_pairs_, events_, seen_);
+    fast_pairs_.clear(), finders_.clear();  // with what they list
+    drop(number_of_stray_, is_stray_, mover_of_slot_, fast_pairs_, finders_, events_, chances_, probes_, at_once_);
+    courses_.drop();
     constexpr std::size_t kFewMovers = 16;
     if (movers_.size() > kFewMovers) movers_.resize(kFewMovers), movers_.shrink_to_fit();
     mover_count_ = 0;
 }
 
 std::size_t Continuous::memory() const noexcept {
-    std::size_t sum = movers_.size() * sizeof(Mover) + stray_boxes_.memory() + held_by(wishes_, sizes_, first_proxy_, proxies_, departures_, departure_of_slot_) +
-                      held_by(fast_, is_fast_, strays_, number_of_stray_, is_stray_, mover_of_slot_, fast_pairs_, displaced_, events_, seen_, manifolds_, obstacles_);
+    std::size_t sum = movers_.size() * sizeof(Mover) + stray_boxes_.memory() + courses_.memory();
+    sum += held_by(wishes_, sizes_, first_proxy_, proxies_, departures_, departure_of_slot_, fast_, is_fast_, strays_, number_of_stray_,
+                   is_stray_, mover_of_slot_);
+    sum += held_by(fast_pairs_, displaced_, events_, chances_, probes_, at_once_, finders_, manifolds_, obstacles_);
     for (const FastPairs& some : fast_pairs_) sum += held_by(some.pairs);
+    for (const Finder& some : finders_) sum += held_by(some.near, some.pairs);
     return sum;
 }
 

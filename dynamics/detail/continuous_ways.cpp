@@ -43,9 +43,11 @@ void Continuous::list_obstacles(const ContinuousScene& scene, std::uint32_t numb
     const std::uint32_t slot = movers_[number].slot;
     shifted_.slot = slot;
     shifted_.path.go({.start = state.pose, .sway = kObstacleShare * sizes_[slot].reach});
+    shifted_.course = {.at = state.pose.position, .play = 2.0 * kObstacleShare * sizes_[slot].reach};  // extents are no more than that
+    std::vector<std::uint32_t>& listed = finders_.front().near;
     for (std::uint32_t k = first_proxy_[slot]; k < first_proxy_[slot + 1]; ++k) {
         const std::uint32_t p = proxies_[k];
-        for_each_near(scene, shifted_, p, Ask::Everybody, [&](std::uint32_t q) {
+        for_each_near(scene, shifted_, p, Ask::Everybody, t, t, listed, [&](std::uint32_t q) {
             const std::uint32_t near = mover_of(scene, scene.proxies.bodies[q]);
             if (near == other || near == number || !stands_in_the_way(scene, near)) return;
             const Proxy &proxy_p = scene.proxies.by_slot[p], &proxy_q = scene.proxies.by_slot[q];
