@@ -46,6 +46,7 @@ struct LastStep {
     const dynamics::ContactSet& asleep;  ///< of what sleeps
     const dynamics::JointSet& joints;
     bool joints_changed = false;  ///< since the step
+    bool may_sleep = false;
     double dt = 0.0;  ///< [s]
     bool looked_for_contacts = false;
     double slack_share = 0.0;  ///< of the smallest extent, that candidates were given; 0: none
@@ -146,6 +147,7 @@ private:
     [[nodiscard]] std::optional<NumberedPair> find_candidate(const NumberedPair& pair) const {
         const std::uint32_t a = w_.proxies.bodies[pair.a], b = w_.proxies.bodies[pair.b];
         if (w_.joints.parts(a, b)) return {};
+        if (w_.may_sleep && dynamics::Sleepers::is_idle(w_.proxies, w_.arrays, pair)) return {};
         std::optional<NumberedPair> found = dynamics::find_candidate(w_.proxies, w_.arrays, w_.broadphase.result().pairs, w_.dt, pair.a, pair.b);
         if (found && w_.slack_share > 0.0) found->slack = dynamics::slack_of(w_.proxies, w_.slack_share, *found);
         return found;
@@ -270,6 +272,7 @@ ContactExplanation World::explain(BodyId a, BodyId b) const {
                         .asleep = w.sleepers.contacts(),
                         .joints = w.joints,
                         .joints_changed = w.joints.version() != w.joint_solver.version(),
+                        .may_sleep = w.sleepers.is_on(),
                         .dt = w.last_substep * w.def.substeps,
                         .looked_for_contacts = w.looked_for_contacts,
                         .slack_share = w.names.now.empty() ? 0.0 : w.def.contact_reuse,

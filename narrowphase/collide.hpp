@@ -33,8 +33,9 @@ struct ShapePair {
 struct PlacedShapes {
     std::span<const Shape* const> shapes;
     std::span<const Pose> poses;
-    /// Of more than four corners of a patch four are reported, and the deepest is one of them. Where `steady`, it may be left out if the four
-    /// that span the patch are two thirds as deep and it is deeper by no more than 1e-3 of the larger shape's half extent. What rests on
+    /// Of more than four corners of a patch four are reported, and the deepest is one of them. Where `steady`, it may be left out if it is deeper
+    /// than the four that span the patch by no more than 30 % of their depth and no more than 1e-3 of the larger shape's extent (where a mesh
+    /// is met, the choice is made once for each triangle and once for all: up to 70 %). What rests on
     /// more than four corners then rests on the same four: otherwise the one that bears nothing sinks until it is the deepest, takes the
     /// place of one that bears, and that one sinks in turn.
     bool steady = false;
@@ -136,6 +137,7 @@ CollideCounts collide(const PlacedShapes& placed, std::span<const NumberedPair> 
                       Executor& executor, CollideScratch& scratch, std::vector<Manifold>& out);
 
 /// The same of pairs that each bring their own shapes and poses.
+/// Misuse besides: pairs of which some are `steady` and some are not.
 CollideCounts collide(std::span<const ShapePair> pairs, Executor& executor, CollideScratch& scratch,
                       std::vector<Manifold>& out);
 

@@ -312,6 +312,9 @@ CollideCounts collide(const PlacedShapes& placed, std::span<const NumberedPair> 
 }
 
 CollideCounts collide(std::span<const ShapePair> pairs, Executor& executor, CollideScratch& scratch, std::vector<Manifold>& out) {
+    const bool steady = !pairs.empty() && pairs.front().steady;
+    CAROM_REQUIRE(std::ranges::all_of(pairs, [steady](const ShapePair& pair) { return pair.steady == steady; }), ErrorCode::InvalidArgument,
+                  "collide: some of the pairs are steady and some are not", CollideCounts{});
     auto& data = CollideBatch::data_of(scratch);
     data.shapes.clear();
     data.poses.clear();
@@ -322,7 +325,7 @@ CollideCounts collide(std::span<const ShapePair> pairs, Executor& executor, Coll
         data.poses.insert(data.poses.end(), {pair.pose_a, pair.pose_b});
         data.numbered.push_back({number, number + 1, pair.margin});
     }
-    return collide({data.shapes, data.poses}, data.numbered, executor, scratch, out);
+    return collide({data.shapes, data.poses, steady}, data.numbered, executor, scratch, out);
 }
 
 }  // namespace carom

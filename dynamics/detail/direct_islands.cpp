@@ -10,7 +10,8 @@ namespace {
 /// A soft contact may sag by this share of the smallest extent before its island counts as stiff.
 constexpr double kSagShare = 1e-3;
 /// A contact that bore so many times the weight of its island stopped a fall in the step before. That is no force to start from where the solve
-/// does not converge; what rests keeps its impulses, and does not notice that it was tried.
+/// does not converge, nor is what the direct solve left, or what bodies that move had; what rests and was solved softly keeps its impulses, and does not
+/// notice that it was tried.
 constexpr double kStruck = 1.5;
 /// With more manifolds than that, and none solved directly, every sixteenth step is looked at: stiff piles do not come up in less.
 constexpr std::size_t kManyManifolds = 512;
@@ -145,7 +146,8 @@ void DirectIslands::consider(const Island& island, const DirectWorld& world, con
         ++counts_.moving;
         return;
     }
-    memory.struck = pressed > kStruck * shape.weight;
+    const bool was_held = std::ranges::any_of(bodies, [&](std::uint32_t slot) { return held_before_[slot] != 0; });
+    memory.rested = !was_held && pressed <= kStruck * shape.weight && shape.top_speed * step.dt <= kCalmShare * shape.extent;
     memory.stiffness = stiffness_of(shape, step);
     memory.too_large = !analyse(memory, island, world, choice.budget);
     if (memory.too_large) {
@@ -216,7 +218,7 @@ bool DirectIslands::analyse(Memory& memory, const Island& island, const DirectWo
 bool DirectIslands::solve_directly(Memory& memory, const IslandLists& island, const DirectWorld& world, const DirectStep& step) {
     fill_problem(world, island, memory.stiffness, step, memory.problem);
     memory.result = memory.newton.solve(memory.problem, memory.stiffness.tolerances);
-    if (!memory.result.converged && memory.struck) {
+    if (!memory.result.converged && !memory.rested) {
         for (const std::uint32_t m : island.manifolds) world.contacts.impulses[m] = {};
     }
     return memory.result.converged;

@@ -55,7 +55,7 @@ private:
         std::uint64_t last_step = 0;   // that it was looked at
         std::uint64_t wait_until = 0;  // it is left to the soft solver before this step
         std::uint64_t wait = 0;        // that many steps the last time
-        bool struck = false;           // in the step before
+        bool rested = false;           // in the step before, solved softly
         bool too_large = false;        // the last time that its graph was looked at
         std::uint64_t refused_until = 0;  // and is taken to be, before this step, unless it has shrunk from so many bodies and contacts between them
         std::size_t refused_bodies = 0, refused_joints = 0;

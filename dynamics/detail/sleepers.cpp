@@ -132,12 +132,14 @@ void Sleepers::sync(const BodyArrays& bodies, ProxySet& proxies) noexcept {
     }
 }
 
+bool Sleepers::is_idle(const ProxySet& proxies, const BodyArrays& bodies, const NumberedPair& pair) {
+    const std::uint32_t a = proxies.bodies[pair.a], b = proxies.bodies[pair.b];
+    const bool meet = (has_mass(bodies.roles[a]) && stirs(bodies, b)) || (has_mass(bodies.roles[b]) && stirs(bodies, a));
+    return !meet && bodies.roles[a] != Role::Dynamic && bodies.roles[b] != Role::Dynamic;
+}
+
 void Sleepers::drop_idle(const ProxySet& proxies, const BodyArrays& bodies, ScratchList<NumberedPair>& candidates) {
-    candidates.erase_if([&](const NumberedPair& pair) {
-        const std::uint32_t a = proxies.bodies[pair.a], b = proxies.bodies[pair.b];
-        const bool meet = (has_mass(bodies.roles[a]) && stirs(bodies, b)) || (has_mass(bodies.roles[b]) && stirs(bodies, a));
-        return !meet && bodies.roles[a] != Role::Dynamic && bodies.roles[b] != Role::Dynamic;
-    });
+    candidates.erase_if([&](const NumberedPair& pair) { return is_idle(proxies, bodies, pair); });
 }
 
 bool Sleepers::fall_asleep(const SleepScene& scene) {

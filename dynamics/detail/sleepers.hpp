@@ -73,6 +73,7 @@ public:
 
     /// Takes out pairs that nothing could come of: bodies without mass with each other, and with what sleeps where they stand still.
     static void drop_idle(const ProxySet& proxies, const BodyArrays& bodies, ScratchList<NumberedPair>& candidates);
+    [[nodiscard]] static bool is_idle(const ProxySet& proxies, const BodyArrays& bodies, const NumberedPair& pair);
     /// After a step of `dt` [s]: measures how far each body that is awake has moved.
     void watch(const BodyArrays& bodies, const ProxySet& proxies, const dvec3& gravity, double dt);
     /// Puts islands to sleep in which every body has been still for long enough and is held. @return whether any fell asleep.

@@ -147,7 +147,7 @@ HWY_INLINE WideChoice choose_points(const WideCandidates& all, const WideLimits&
     Floats least(kNever);
 #pragma GCC unroll 4
     for (int k = 0; k < 4; ++k) least = select(used[k], min(out.points[k].separation, least), least);
-    const Floats overlooked = min(limits.overlook, Floats(static_cast<float>(kSteadyShare)) * max(-least, Floats(0.0f)));
+    const Floats overlooked = select(has_d, min(limits.overlook, Floats(static_cast<float>(kSteadyShare)) * max(-least, Floats(0.0f))), Floats(0.0f));
     const Mask replace = exists(a) & (-lowest > (tolerance - least) + overlooked);
     if (none(replace)) return out;
     WideBest lowest_point(Floats(-kNever));

@@ -141,7 +141,7 @@ inline int reduce_points(std::span<const Candidate> points, double tolerance, co
     int count = choose_outline(points, tolerance, start, chosen);
     double least = at(0).separation;
     for (std::size_t i = 1; i < static_cast<std::size_t>(count); ++i) least = std::min(least, at(i).separation);
-    const double overlooked = std::min(overlook, kSteadyShare * std::max(0.0, -least));
+    const double overlooked = count < kMaxManifoldPoints ? 0.0 : std::min(overlook, kSteadyShare * std::max(0.0, -least));
     const int deepest = best_of(
                             points, tolerance - least + overlooked, [&](double best) { return best - 0x1p-6 * tolerance; },
                             [](const Candidate& p) { return -p.separation; })

@@ -191,5 +191,22 @@ TEST(Explain, DeadIdsAreMisuse) {
     EXPECT_THROW(static_cast<void>(world.explain(BodyId{}, a)), MisuseError);
 }
 
+// Where bodies may sleep, pairs that nothing could come of are not listed, though their filters agree: no fault of the engine's.
+TEST(Explain, ASlowPlatformInAWallIsNoFaultWhereBodiesMaySleep) {
+    for (const bool sleep : {false, true}) {
+        World world({.sleep = {.enabled = sleep}});
+        const auto add = [&](const BodyDef& def, const vec3& half) {
+            const BodyId body = world.create_body(def);
+            world.add_shape(body, Box{half});
+            return body;
+        };
+        const BodyId wall = add({.type = BodyType::Static, .position = {0.0, 1.2, 0.0}}, vec3{0.5f});
+        const BodyId platform = add({.type = BodyType::Kinematic, .position = {0.0, 0.4, 0.0}, .linear_velocity = {0.1, 0.0, 0.0}}, vec3{0.5f});
+        add({.position = {0.0, 0.0, 1.0}}, {0.4f, 0.4f, 0.5f});
+        world.step(1.0 / 60.0);
+        EXPECT_TRUE(world.explain(platform, wall).disagreements.empty()) << sleep;
+    }
+}
+
 }  // namespace
 }  // namespace carom

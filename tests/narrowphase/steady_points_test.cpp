@@ -1,5 +1,6 @@
 // PlacedShapes::steady: of a patch of more than four corners four are chosen, and the choice does not hang on small differences of depth.
 #include <carom/collision/convex_hull.hpp>
+#include <carom/core/check.hpp>
 #include <carom/core/executor.hpp>
 #include <carom/core/math.hpp>
 #include <carom/core/simd_width.hpp>
@@ -130,6 +131,34 @@ TEST(SteadyPoints, BatchesAreSinglesToTheBitAtEveryWidth) {
             set_simd_width(0);
         }
     }
+}
+
+// Pairs that bring their own shapes are steady all or none.
+TEST(SteadyPoints, OfPairsWithTheirOwnShapesToo) {
+    SerialExecutor executor;
+    CollideScratch scratch;
+    std::vector<Manifold> found;
+    for (int k = 0; k < kDirections; ++k) {
+        const Tilted t(direction(k), 0.3 * kDepth);
+        for (const bool steady : {false, true}) {
+            const ShapePair pair{&t.box, &t.box, t.lower, t.upper, 1e-3f, steady};
+            const std::vector<Manifold> alone = single(t.box, t.box, t, steady);
+            collide(std::span(&pair, 1), executor, scratch, found);
+            ASSERT_EQ(found.size(), alone.size());
+            EXPECT_EQ(std::memcmp(found.data(), alone.data(), alone.size() * sizeof(Manifold)), 0) << k;
+        }
+    }
+    const std::vector<Manifold> before = found;
+    const Tilted t(0.0, 0.0);
+    const std::array<ShapePair, 2> mixed{ShapePair{&t.box, &t.box, t.lower, t.upper, 1e-3f, true}, ShapePair{&t.box, &t.box, t.lower, t.upper, 1e-3f, false}};
+    static int misuses;
+    misuses = 0;
+    const ErrorHandler handler = set_error_handler([](const Error& error) { misuses += error.code == ErrorCode::InvalidArgument ? 1 : 100; });
+    collide(mixed, executor, scratch, found);
+    set_error_handler(handler);
+    EXPECT_EQ(misuses, 1);
+    ASSERT_EQ(found.size(), before.size());
+    EXPECT_EQ(std::memcmp(found.data(), before.data(), before.size() * sizeof(Manifold)), 0);
 }
 
 }  // namespace
