@@ -21,8 +21,8 @@ struct Course {
     dvec3 at{0.0};       ///< when it begins [m]
     double begin = 0.0;  ///< fraction of the step
     dvec3 rate{0.0};     ///< [m] a step
-    double play =
-        0.0;  ///< no point of the body is farther from where a screw has it than that, nor is any search's piece of the path: sway and bend [m]
+    /// No point of the body is farther from where a screw has it than that, nor is any search's piece of the path: sway and bend [m].
+    double play = 0.0;
     double turn = 0.0;  ///< [rad] from the beginning to 1
 };
 [[nodiscard]] Course course_of(const BodyPath& path) noexcept;
