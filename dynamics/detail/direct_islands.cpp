@@ -3,6 +3,7 @@
 #include <carom/dynamics/detail/room.hpp>
 
 #include <algorithm>
+#include <limits>
 
 namespace carom::dynamics {
 namespace {
@@ -117,8 +118,29 @@ void DirectIslands::leave_alone(Memory& memory, std::uint64_t most) const noexce
 
 void DirectIslands::consider(const Island& island, const DirectWorld& world, const DirectStep& step, const DirectChoice& choice) {
     const std::span<const std::uint32_t> bodies = links_.bodies(island), manifolds = links_.manifolds(island);
-    if (!is_plain(world, bodies, manifolds)) return;
     const IslandShape shape = look_at_island(world, bodies, manifolds, step);
+    const std::size_t taken = tasks_.size();
+    if (is_plain(world, bodies, manifolds)) take_if_stiff(island, shape, world, step, choice);
+    if (tasks_.size() == taken) forget_lost_loads(bodies, manifolds, shape.weight, world);
+}
+
+// What pressed when the direct solve had it may have gone since. Were the soft solver to begin with the impulses of a million times the weight, its passes would not
+// take them back.
+void DirectIslands::forget_lost_loads(std::span<const std::uint32_t> bodies, std::span<const std::uint32_t> manifolds, double weight,
+                                      const DirectWorld& world) const {
+    if (!was_held(bodies)) return;
+    for (const std::uint32_t m : manifolds) {
+        if (stiff_.loads()[m] > kStruck * weight) world.contacts.impulses[m] = {};
+    }
+}
+
+bool DirectIslands::was_held(std::span<const std::uint32_t> bodies) const {
+    return std::ranges::any_of(bodies, [&](std::uint32_t slot) { return held_before_[slot] != 0; });
+}
+
+void DirectIslands::take_if_stiff(const Island& island, const IslandShape& shape, const DirectWorld& world, const DirectStep& step,
+                                  const DirectChoice& choice) {
+    const std::span<const std::uint32_t> bodies = links_.bodies(island), manifolds = links_.manifolds(island);
     // An impact presses harder than the island weighs, but not for long.
     const SagLaw law = law_of(step);
     double most = 0.0, excess = 0.0, pressed = 0.0;
@@ -146,8 +168,7 @@ void DirectIslands::consider(const Island& island, const DirectWorld& world, con
         ++counts_.moving;
         return;
     }
-    const bool was_held = std::ranges::any_of(bodies, [&](std::uint32_t slot) { return held_before_[slot] != 0; });
-    memory.rested = !was_held && pressed <= kStruck * shape.weight && shape.top_speed * step.dt <= kCalmShare * shape.extent;
+    memory.rested = !was_held(bodies) && pressed <= kStruck * shape.weight && shape.top_speed * step.dt <= kCalmShare * shape.extent;
     memory.stiffness = stiffness_of(shape, step);
     memory.too_large = !analyse(memory, island, world, choice.budget);
     if (memory.too_large) {
@@ -174,7 +195,7 @@ void DirectIslands::put_down(const Island& island, const DirectWorld& world, con
     if (shape.impact) return;
     for (std::size_t i = 0; i < bodies.size(); ++i) local_of_slot_[bodies[i]] = static_cast<std::int32_t>(i);
     Memory& memory = memory_of(bodies.front());
-    memory.stiffness = {kSlopShare * shape.extent, kBaumgarteSteps * step.dt, {}};
+    memory.stiffness = {kSlopShare * shape.extent, kBaumgarteSteps * step.dt, std::numeric_limits<double>::infinity(), {}};
     memory.loads.assign(manifolds.size(), 1.0);  // of no meaning where contacts are rigid
     tasks_.push_back({island, &memory});
 }

@@ -76,6 +76,9 @@ private:
     [[nodiscard]] bool list_tasks(const DirectWorld& world, const DirectStep& step, const DirectChoice& choice);
     Memory& memory_of(std::uint32_t root);
     void consider(const Island& island, const DirectWorld& world, const DirectStep& step, const DirectChoice& choice);
+    void take_if_stiff(const Island& island, const IslandShape& shape, const DirectWorld& world, const DirectStep& step, const DirectChoice& choice);
+    void forget_lost_loads(std::span<const std::uint32_t> bodies, std::span<const std::uint32_t> manifolds, double weight, const DirectWorld& world) const;
+    [[nodiscard]] bool was_held(std::span<const std::uint32_t> bodies) const;
     /// The island is put down for sequential impulses, unless it bounces.
     void put_down(const Island& island, const DirectWorld& world, const DirectStep& step);
     /// @return whether it converged.

@@ -45,6 +45,7 @@ struct IslandShape {
 struct IslandStiffness {
     double sag = 0.0;         ///< of a point that bears its manifold's load alone [m]
     double relaxation = 0.0;  ///< tau: overlap beyond the sag goes away in such a time [s]
+    double most_push = 0.0;   ///< at this speed at most [m/s]
     DirectSettings tolerances;
 };
 [[nodiscard]] IslandStiffness stiffness_of(const IslandShape& shape, const DirectStep& step) noexcept;

@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <vector>
 
 namespace carom {
@@ -188,6 +189,49 @@ TEST(NoGain, ALightBoxThatSlipsOutFromUnderAHeavyOne) {
         EXPECT_LT(glm::length(world.linear_velocity(light)), 100.0) << i;
     }
     EXPECT_GT(fell_back, 0u);
+}
+
+// Small boxes bear a million times their weight, solved directly, until that is taken away: what it pressed with is nothing for the soft solver to start from.
+TEST(NoGain, SmallBoxesWhoseLoadIsTakenAway) {
+    for (int k = 0; k < 8; ++k) {
+        World world;
+        Random random(static_cast<std::uint64_t>(70 + k));
+        add_body(world, Plane{}, {.type = BodyType::Static}, {.friction = 0.5f});
+        double y = 0.0;
+        for (int i = 0; i < 1 + k % 3; ++i) {
+            const vec3 half{static_cast<float>(random.range(0.2, 0.5)), static_cast<float>(random.range(0.05, 0.2)),
+                            static_cast<float>(random.range(0.2, 0.5))};
+            const double side = random.range(-0.05, 0.05);
+            add_body(world, Box{half},
+                     {.position = {side, y + static_cast<double>(half.y), 0.0},
+                      .orientation = rotation_from_vector({0.0, random.range(0.0, 6.0), 0.0})});
+            y += 2.0 * static_cast<double>(half.y);
+        }
+        const BodyId load = add_body(world, Box{{0.5f, 0.4f, 0.5f}}, {.position = {0.05, y + 0.4, 0.05}}, {.density = 1e9});
+        std::size_t solved = 0;
+        for (int i = 0; i < 60; ++i) solved += world.step(kDt).direct.solved;
+        EXPECT_GT(solved, 50u) << k;
+        world.destroy_body(load);
+        const double before = world.energy().total();
+        EXPECT_LT(most_energy(world, 30), before + 0.001 * std::abs(before)) << k;
+    }
+}
+
+// Boxes a fifth inside each other are pushed apart, all at once: together little faster than what lifts the top by a hundredth of one.
+TEST(NoGain, AStackInItselfUnderAHeavyBox) {
+    World world;
+    add_body(world, Plane{}, {.type = BodyType::Static});
+    for (int i = 0; i < 6; ++i) add_body(world, Box{{0.5f, 0.5f, 0.5f}}, {.position = {0.0, 0.3 + 0.8 * i, 0.0}});
+    const BodyId top = add_body(world, Box{{0.5f, 0.5f, 0.5f}}, {.position = {0.0, 0.3 + 0.8 * 6, 0.0}}, {.density = 1e8});
+    std::size_t solved = 0;
+    double fastest = 0.0;
+    for (int i = 0; i < 600; ++i) {
+        solved += world.step(kDt).direct.solved;
+        fastest = std::max(fastest, world.linear_velocity(top).y);
+    }
+    EXPECT_GT(solved, 500u);
+    EXPECT_LT(fastest, 1.25 * std::sqrt(2.0 * 9.81 * 0.01));
+    EXPECT_NEAR(world.center_of_mass(top).y, 6.5, 0.01);
 }
 
 }  // namespace
