@@ -105,7 +105,7 @@ private:
 
     [[nodiscard]] FilterFinding filter_of(ShapeId a, ShapeId b) const {
         const dynamics::ShapeRecord &of_a = *w_.shapes.find(a), &of_b = *w_.shapes.find(b);
-        FilterFinding filter{of_a.def.layer, of_a.def.mask, of_b.def.layer, of_b.def.mask};
+        FilterFinding filter{of_a.def->layer, of_a.def->mask, of_b.def->layer, of_b.def->mask};
         filter.layers_agree = (filter.layer_a & filter.mask_b) != 0 && (filter.layer_b & filter.mask_a) != 0;
         filter.any_moves =
             w_.bodies.find(of_a.body)->type == BodyType::Dynamic || w_.bodies.find(of_b.body)->type == BodyType::Dynamic;

@@ -90,7 +90,7 @@ std::optional<WorldRayHit> World::cast_ray(const Ray& ray) const {
         const Pose pose = impl_->body_pose(body);
         for (const ShapeId id : record.shapes) {
             const dynamics::ShapeRecord& s = *impl_->shapes.find(id);
-            const std::optional<RayHit> hit = carom::cast_ray(s.shape, pose * s.def.local, rest);
+            const std::optional<RayHit> hit = carom::cast_ray(s.shape, pose * s.def->local, rest);
             if (!hit || (best && hit->distance >= best->hit.distance)) continue;
             best = WorldRayHit{body, id, *hit};
             rest.max_distance = hit->distance;

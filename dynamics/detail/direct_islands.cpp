@@ -72,6 +72,7 @@ void DirectIslands::clear() noexcept {
 bool DirectIslands::choose(const DirectWorld& world, const DirectStep& step, const DirectChoice& choice) {
     const bool any = list_tasks(world, step, choice);
     stiff_.release();
+    if (!any && counts_.waiting == 0) links_.drop_islands();  // large ones are not looked at again for some steps
     return any;
 }
 
@@ -270,7 +271,6 @@ void DirectIslands::solve(const DirectWorld& world, const DirectStep& step, Exec
 }
 
 void DirectIslands::trim() noexcept {
-    stiff_.trim();
     if (gathers_.take_seldom()) links_.drop_islands();
 }
 

@@ -86,7 +86,7 @@ void Sleepers::wake_near(const ProxySet& proxies, std::uint32_t proxy, double dt
     if (proxies.kinds[proxy] == ProxyKind::None) return;
     const Proxy& other = proxies.by_slot[proxy];
     const BodyState& owner = bodies.states[proxies.bodies[proxy]];
-    const Pose pose = owner.pose * other.local;
+    const Pose pose = owner.pose * other.local.get();
     const bool is_plane = proxies.kinds[proxy] == ProxyKind::Plane;
     const Aabb box = is_plane ? Aabb{} : bounds(other.shape, pose);
     const dvec3 normal = is_plane ? rotate(pose.orientation, dvec3{std::get<Plane>(other.shape).normal}) : dvec3{0.0};

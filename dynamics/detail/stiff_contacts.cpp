@@ -98,8 +98,8 @@ void StiffContacts::add_up_weights(const ContactSet& contacts, const BodyArrays&
         falling[resting++] = slot;
     }
     keys = keys.first(resting), falling = falling.first(resting);
-    sorts_.note();
     radix_sort(keys, falling, scratch_);
+    drop(scratch_.keys, scratch_.payload);  // few steps sort
     for (const std::uint32_t slot : falling) {
         const std::uint32_t begin = first_below[slot], end = first_below[slot + 1];
         const double part = (borne[slot] + pull * bodies.masses[slot].mass) / (end - begin);

@@ -46,7 +46,7 @@ struct BodyRecord {
 struct ShapeRecord {
     BodyId body;
     Shape shape;
-    ShapeDef def;
+    std::shared_ptr<const ShapeDef> def;  ///< shared with those that came right before and after, where they are alike
 };
 
 /// The last pose of a body from which a step could go on, and its velocity there; where there was none, the origin.
@@ -159,6 +159,8 @@ struct World::Impl {
     void integrate_free_bodies(bool contacts_found, double dt);
     void drop_parted();
     void forget_pushes();
+    /// The same for all that are alike and come one after the other.
+    [[nodiscard]] std::shared_ptr<const ShapeDef> shared_def(const ShapeDef& kept);
     /// The mass of a body's shapes and of one more.
     [[nodiscard]] MassProperties mass_with(const dynamics::BodyRecord& record, const MassProperties& added) const;
     /// Sets the mass and keeps the origin and the motion of the body's points where they are.
@@ -216,6 +218,7 @@ struct World::Impl {
     std::vector<BodyId> body_order;
     dynamics::BodyArrays arrays;
     SlotMap<dynamics::ShapeRecord, ShapeId> shapes;
+    std::shared_ptr<const ShapeDef> last_def;  // of the shape that came last
 
     dynamics::Census census;
     dynamics::ProxySet proxies;
