@@ -36,7 +36,7 @@ WorldMemory World::memory() const noexcept {
     sum.joints = w.joints.memory() + w.joint_solver.memory();
     sum.broadphase = w.broadphase.memory();
     sum.contacts = w.contacts.memory() + w.contact_changes.memory() + w.previous.memory() + w.passing.memory() +
-                   held_by(w.candidate_parts, w.names.now, w.names.before, w.last_manifolds, w.displaced);
+                   held_by(w.candidate_parts, w.names.now, w.names.before, w.last_manifolds, w.found_manifolds, w.displaced);
     for (const dynamics::CandidatePart& part : w.candidate_parts) sum.contacts += held_by(part.pairs);
     sum.solver = w.solver.memory() + w.direct.memory();
     sum.scratch = w.scratch.memory();

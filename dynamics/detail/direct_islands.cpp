@@ -220,7 +220,7 @@ bool DirectIslands::solve_directly(Memory& memory, const IslandLists& island, co
     fill_problem(world, island, memory.stiffness, step, memory.problem);
     memory.result = memory.newton.solve(memory.problem, memory.stiffness.tolerances);
     if (!memory.result.converged && !memory.rested) {
-        for (const std::uint32_t m : island.manifolds) world.contacts.impulses[m] = {};
+        for (const std::uint32_t m : island.manifolds) std::ranges::fill(world.contacts.impulses_of(m), PointImpulse{});
     }
     return memory.result.converged;
 }

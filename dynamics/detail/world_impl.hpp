@@ -187,6 +187,7 @@ struct World::Impl {
     void note_moved_contacts();
     void take_over_contacts(dynamics::Step& step);
     void trim_lists();
+    CollideCounts collide_again(const PlacedShapes& placed);
     void find_contacts(dynamics::Step& step, const dynamics::Motion& motion);
     [[nodiscard]] dynamics::CalmRule calm_rule() const;
     [[nodiscard]] bool choose_looked(double dt);
@@ -231,6 +232,7 @@ struct World::Impl {
     dynamics::ScratchList<NumberedPair> candidates{scratch};  // until contacts are found; those that are looked at where the others are kept
     dynamics::CarriedContacts previous{scratch};  // of the step before, while those of this one are found
     std::vector<Manifold> last_manifolds;  // of the step before, where pairs of it may be carried along; else empty
+    std::vector<Manifold> found_manifolds;  // while they are found; else anything
     dynamics::ContactChanges contact_changes;
     bool contacts_hold = false;   // those of the last step, but for what its motion changed
     bool contacts_held = false;   // so it was when this step began
