@@ -213,7 +213,7 @@ const PairUpdate& Broadphase::update(const ProxyChanges& changes, Executor& exec
     CAROM_REQUIRE(fault == nullptr, ErrorCode::InvalidArgument, fault, w.result);
     w.intake.take_over(changes, w.settings.callback.wanted != nullptr, w.table, executor);
     w.choose();
-    if (w.result.number % kUpdatesATrim == kUpdatesATrim - 1 && w.set.trim()) w.pieces.drop();
+    if (w.result.number % kUpdatesATrim == kUpdatesATrim - 1) w.set.trim() ? w.pieces.drop() : w.pieces.trim();
     detail::ChangeLists lists = w.intake.lists();
     // A method may know which pairs end because boxes part, but not which are no longer wanted.
     lists.want_ended = !w.intake.filter_changed() && w.few_changed();

@@ -59,6 +59,8 @@ struct ShapeDef {
     Pose local{};                    ///< of the shape in its body
     std::uint64_t layer = 1;         ///< bits this shape has
     std::uint64_t mask = ~std::uint64_t{0};  ///< bits it meets; both must agree
+
+    friend bool operator==(const ShapeDef&, const ShapeDef&) = default;
 };
 
 }  // namespace carom

@@ -105,7 +105,7 @@ private:
 
     [[nodiscard]] FilterFinding filter_of(ShapeId a, ShapeId b) const {
         const dynamics::ShapeRecord &of_a = *w_.shapes.find(a), &of_b = *w_.shapes.find(b);
-        FilterFinding filter{of_a.def.layer, of_a.def.mask, of_b.def.layer, of_b.def.mask};
+        FilterFinding filter{of_a.def->layer, of_a.def->mask, of_b.def->layer, of_b.def->mask};
         filter.layers_agree = (filter.layer_a & filter.mask_b) != 0 && (filter.layer_b & filter.mask_a) != 0;
         filter.any_moves =
             w_.bodies.find(of_a.body)->type == BodyType::Dynamic || w_.bodies.find(of_b.body)->type == BodyType::Dynamic;
@@ -185,7 +185,7 @@ private:
         std::vector<Manifold> anew;
         carom::collide(placed(listed.a, listed.b, true), 0, anew);
         const ContactPair* const last = pair_of(w_.contacts, listed);
-        const std::span<const Manifold> had = contacts_of(w_.contacts, listed);
+        const std::vector<Manifold> had = contacts_of(w_.contacts, listed);
         pair.found = summary_of(had);
         pair.found->passes = last != nullptr && last->passes;
         pair.found->carried = !same_contacts(anew, had);
@@ -227,9 +227,12 @@ private:
         return found != set.pairs.end() && found->key == key ? &*found : nullptr;
     }
 
-    [[nodiscard]] std::span<const Manifold> contacts_of(const dynamics::ContactSet& set, const NumberedPair& listed) const {
-        const ContactPair* const pair = pair_of(set, listed);
-        return pair == nullptr ? std::span<const Manifold>{} : std::span(set.manifolds).subspan(pair->first_manifold, pair->manifold_count);
+    [[nodiscard]] std::vector<Manifold> contacts_of(const dynamics::ContactSet& set, const NumberedPair& listed) const {
+        std::vector<Manifold> all;
+        if (const ContactPair* const pair = pair_of(set, listed)) {
+            for (std::uint32_t m = 0; m < pair->manifold_count; ++m) all.push_back(set.whole(pair->first_manifold + m));
+        }
+        return all;
     }
 
     [[nodiscard]] static Rung rung_of(const ShapePairExplanation& pair) {

@@ -207,13 +207,13 @@ ShapeId World::add_shape(BodyId body, Shape shape, const ShapeDef& def) {
         const Status range = check_mass_range(*mass);
         CAROM_REQUIRE(range.ok(), range.error().code, range.error().message, {});
     }
-    const ShapeId id = impl_->shapes.insert({body, std::move(shape), kept});
+    const ShapeId id = impl_->shapes.insert({body, std::move(shape), impl_->shared_def(kept)});
     record->shapes.push_back(id);
     if (record->type == BodyType::Dynamic) impl_->wake(body);
     if (mass) impl_->assign_mass(body, *mass);
     if (record->quarantined) return id;
     const dynamics::ShapeRecord& added = *impl_->shapes.find(id);
-    impl_->census.count_shape(added.shape, added.def, +1);
+    impl_->census.count_shape(added.shape, *added.def, +1);
     if (record->shapes.size() == 1) impl_->census.count_body(record->type, +1);
     if (mass) {
         impl_->put_proxies(body);  // the centre of mass is another
@@ -222,6 +222,11 @@ ShapeId World::add_shape(BodyId body, Shape shape, const ShapeDef& def) {
     }
     impl_->note_placed(body);
     return id;
+}
+
+std::shared_ptr<const ShapeDef> World::Impl::shared_def(const ShapeDef& kept) {
+    if (last_def == nullptr || *last_def != kept) last_def = std::make_shared<const ShapeDef>(kept);
+    return last_def;
 }
 
 bool World::is_alive(BodyId body) const noexcept { return impl_->bodies.find(body) != nullptr; }
@@ -246,7 +251,7 @@ MassProperties World::Impl::mass_with(const dynamics::BodyRecord& record, const 
     std::vector<MassProperties> parts{added};
     for (const ShapeId id : record.shapes) {
         const dynamics::ShapeRecord& s = *shapes.find(id);
-        parts.push_back(transform(carom::mass_properties(s.shape, s.def.density).value(), s.def.local));
+        parts.push_back(transform(carom::mass_properties(s.shape, s.def->density).value(), s.def->local));
     }
     return combine(parts);
 }
@@ -276,16 +281,17 @@ void World::Impl::put_proxy(ShapeId id) {
     proxy.id = id;
     proxy.owner = s.body;
     proxy.shape = s.shape;
-    proxy.local = inverse(arrays.principal(slot)) * s.def.local;
-    proxy.reach = reach_of(s.shape, proxy.local);
+    const Pose local = inverse(arrays.principal(slot)) * s.def->local;
+    proxy.local = dynamics::LocalPose(local);
+    proxy.reach = reach_of(s.shape, local);
     // A mesh that others come to is a surface: the box round it says nothing of how far ahead contacts with it are wanted.
     const bool surface = type_of(s.shape) == ShapeType::TriangleMesh && arrays.roles[slot] != Role::Dynamic;
     proxy.extent = surface ? std::numeric_limits<double>::infinity() : smallest_extent(s.shape);
-    proxy.surface = {s.def.friction, s.def.restitution, s.def.friction_rule, s.def.restitution_rule};
-    proxy.resistance = {s.def.rolling_resistance, s.def.torsion, s.def.rolling_rule};
+    proxy.surface = {s.def->friction, s.def->restitution, s.def->friction_rule, s.def->restitution_rule};
+    proxy.resistance = {s.def->rolling_resistance, s.def->torsion, s.def->rolling_rule};
     // What is kinematic may wake what sleeps: pairs of the two are wanted.
     const bool is_movable = arrays.roles[slot] == Role::Dynamic || (sleepers.is_on() && arrays.roles[slot] == Role::Kinematic);
-    dynamics::put_proxy(proxies, std::move(proxy), ProxyFilter{s.def.layer, s.def.mask, is_movable});
+    dynamics::put_proxy(proxies, std::move(proxy), ProxyFilter{s.def->layer, s.def->mask, is_movable});
     sleepers.note_shapes();
     continuous.note_shapes();
 }
@@ -314,7 +320,7 @@ void World::Impl::count_body(BodyId body, int sign) {
     if (!record.shapes.empty()) census.count_body(record.type, sign);
     for (const ShapeId id : record.shapes) {
         const dynamics::ShapeRecord& shape = *shapes.find(id);
-        census.count_shape(shape.shape, shape.def, sign);
+        census.count_shape(shape.shape, *shape.def, sign);
     }
 }
 

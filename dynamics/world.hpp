@@ -76,7 +76,7 @@ struct ContactView {
     ShapeId shape_a, shape_b;           ///< dead where they were destroyed since the step
     BodyId body_a, body_b;
     dvec3 origin{0.0};                  ///< world position that the manifold's points are relative to, at the start of the step [m]
-    const Manifold* manifold = nullptr;
+    Manifold manifold;                  ///< its pair is a number of the world's own
     std::array<float, kMaxManifoldPoints> normal_impulse{};  ///< per point, of the last substep [N s]
     std::array<vec3, kMaxManifoldPoints> friction_impulse{};   ///< the same, on B, world axes
 };

@@ -83,7 +83,7 @@ void World::Impl::visit_cast_targets(FunctionRef<void(const CastTarget& target)>
         const dvec3& centre = arrays.states[body.slot].pose.position;
         for (const ShapeId id : record.shapes) {
             const dynamics::ShapeRecord& shape = *shapes.find(id);
-            visit({body, id, &shape.shape, &shape.def, centre, proxies.by_slot[id.slot].reach});
+            visit({body, id, &shape.shape, shape.def.get(), centre, proxies.by_slot[id.slot].reach});
         }
     }
 }

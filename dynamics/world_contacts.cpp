@@ -73,7 +73,7 @@ bool World::Impl::choose_looked(double dt) {
 
 // Looks at those, and at no others.
 void World::Impl::patch_contacts(dynamics::Step& step) {
-    solver.carry_gaps(contacts.manifolds, threads());
+    solver.carry_gaps(contacts, threads());
     const auto may_end = [&](const dynamics::ContactPair& pair) { return (proxies.calm[pair.proxy_a()] & proxies.calm[pair.proxy_b()]) == 0; };
     dynamics::ContactPatch patch(contacts, may_end, contact_changes);
     const auto take = [&](std::size_t i, std::span<const Manifold> found) { patch.take(dynamics::contact_pair(proxies, candidates[i]), found); };
@@ -88,8 +88,7 @@ void World::Impl::patch_contacts(dynamics::Step& step) {
 // What a step that finds its contacts anew takes over of those of the step before.
 void World::Impl::take_over_contacts(dynamics::Step& step) {
     step.run(Stage::Collide, [&] { previous.take(contacts, threads()); });
-    if (!carries) return last_manifolds.clear();  // no pair of this step will be told from one of the last
-    std::swap(contacts.manifolds, last_manifolds);
+    if (!carries) last_manifolds.clear();  // no pair of this step will be told from one of the last
 }
 
 }  // namespace carom

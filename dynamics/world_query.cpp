@@ -62,19 +62,19 @@ ContactView World::contact(std::size_t index) const {
     const bool awake = index < impl_->contacts.manifold_count();
     const dynamics::ContactSet& set = awake ? impl_->contacts : impl_->sleepers.contacts();
     const std::size_t number = awake ? impl_->contacts.manifold_number(index) : index - impl_->contacts.manifold_count();
-    const Manifold& manifold = set.manifolds[number];
-    const dynamics::ContactPair& pair = set.pairs[manifold.pair];
     ContactView view;
+    view.manifold = set.whole(static_cast<std::uint32_t>(number));
+    const dynamics::ContactPair& pair = set.pairs[view.manifold.pair];
     view.shape_a = pair.shape_a();
     view.shape_b = pair.shape_b();
     view.body_a = pair.body_a;
     view.body_b = pair.body_b;
     view.origin = impl_->proxies.poses[pair.proxy_a()].position;
-    view.manifold = &manifold;
     view.friction_impulse.fill(vec3{0.0f});
-    for (std::size_t k = 0; k < manifold.count; ++k) {
-        view.normal_impulse[k] = set.impulses[number][k].normal;
-        view.friction_impulse[k] = set.impulses[number][k].friction;
+    const std::span<const dynamics::PointImpulse> impulses = set.impulses_of(static_cast<std::uint32_t>(number));
+    for (std::size_t k = 0; k < impulses.size(); ++k) {
+        view.normal_impulse[k] = impulses[k].normal;
+        view.friction_impulse[k] = impulses[k].friction;
     }
     return view;
 }
@@ -90,7 +90,7 @@ std::optional<WorldRayHit> World::cast_ray(const Ray& ray) const {
         const Pose pose = impl_->body_pose(body);
         for (const ShapeId id : record.shapes) {
             const dynamics::ShapeRecord& s = *impl_->shapes.find(id);
-            const std::optional<RayHit> hit = carom::cast_ray(s.shape, pose * s.def.local, rest);
+            const std::optional<RayHit> hit = carom::cast_ray(s.shape, pose * s.def->local, rest);
             if (!hit || (best && hit->distance >= best->hit.distance)) continue;
             best = WorldRayHit{body, id, *hit};
             rest.max_distance = hit->distance;

@@ -94,11 +94,11 @@ const Shape& World::shape(ShapeId shape) const {
 }
 const ShapeDef& World::shape_def(ShapeId shape) const {
     CAROM_FIND_SHAPE(shape, kNoShapeDef);
-    return record->def;
+    return *record->def;
 }
 Pose World::shape_pose(ShapeId shape) const {
     CAROM_FIND_SHAPE(shape, {});
-    return impl_->body_pose(record->body) * record->def.local;
+    return impl_->body_pose(record->body) * record->def->local;
 }
 
 void World::release(BodyId body) {

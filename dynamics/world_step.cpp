@@ -152,6 +152,7 @@ void World::Impl::trim_lists() {
         if (patched && broadphase.result().pairs.size() > kManyPairs) collide_scratch = {};  // it has room for a thousand at a time, and remembers none
     }
     dynamics::trim_kept(last_manifolds);
+    dynamics::trim_scratch(found_manifolds);
     dynamics::trim_kept(names.now);
     dynamics::trim_scratch(names.before);
     contact_changes.trim();
@@ -193,16 +194,24 @@ void World::Impl::find_contacts(dynamics::Step& step, const dynamics::Motion& mo
     if (!std::exchange(taken_over, true)) take_over_contacts(step);
     step.run(Stage::Collide, [&] {
         const PlacedShapes placed{proxies.shapes, proxies.poses, true};
-        std::vector<Manifold>& found = contacts.manifolds;
-        const CollideCounts counts =
-            reuses ? collide(placed, candidates, last_manifolds, threads(), collide_scratch, found)
-                   : collide(placed, candidates, threads(), collide_scratch, found);
+        contacts.clear();
+        const CollideCounts counts = reuses ? collide_again(placed) : collide(placed, candidates, threads(), collide_scratch, [&](std::size_t i, std::span<const Manifold> found) {
+            for (const Manifold& manifold : found) contacts.append(manifold, static_cast<std::uint32_t>(i));
+        });
         step.report.undecided = counts.undecided;
         step.report.reused = counts.reused;
         const auto pair_of = [&](std::uint32_t i) { return dynamics::contact_pair(proxies, candidates[i]); };
         dynamics::link_manifolds(contacts, pair_of, previous, impulse_scale(motion.dt), threads());
         candidates.release();
     });
+}
+
+// Of pairs that have hardly moved the manifolds are carried along. These are kept whole, for the next step.
+CollideCounts World::Impl::collide_again(const PlacedShapes& placed) {
+    const CollideCounts counts = collide(placed, candidates, last_manifolds, threads(), collide_scratch, found_manifolds);
+    for (const Manifold& manifold : found_manifolds) contacts.append(manifold, manifold.pair);
+    std::swap(last_manifolds, found_manifolds);
+    return counts;
 }
 
 void World::Impl::find_passing(dynamics::Step& step, const dynamics::Motion& motion) {
@@ -275,7 +284,7 @@ StepReport World::step(double dt) {
 void World::Impl::give_up_step() noexcept {
     contacts.clear();
     previous.clear();
-    last_manifolds.clear();
+    last_manifolds.clear(), found_manifolds.clear();
     candidates.release();
     names.now.clear();
     broadphase.clear();

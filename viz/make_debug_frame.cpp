@@ -145,9 +145,9 @@ private:
 
     void add_contact(const ContactView& contact, double largest_impulse) {
         const BodyId body = moves(contact.body_b) ? contact.body_b : contact.body_a;
-        const dvec3 normal(contact.manifold->normal);
-        for (std::uint32_t k = 0; k < contact.manifold->count; ++k) {
-            const ContactPoint& point = contact.manifold->points[k];
+        const dvec3 normal(contact.manifold.normal);
+        for (std::uint32_t k = 0; k < contact.manifold.count; ++k) {
+            const ContactPoint& point = contact.manifold.points[k];
             const dvec3 at = local(contact.origin) + dvec3(point.position);
             const vec3 position(at);
             const Color color = point.separation <= 0.0f ? kTouching : kApart;

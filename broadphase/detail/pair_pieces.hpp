@@ -5,6 +5,7 @@
 
 #include <carom/broadphase/proxy.hpp>
 
+#include <algorithm>
 #include <atomic>
 #include <cstddef>
 #include <cstdint>
@@ -17,6 +18,7 @@ class alignas(64) PairBuffer {  // its counts are one thread's
 public:
     /// Starts anew. Once more than `limit` pairs are in, is_full() says so, and whoever adds them should stop.
     void clear(std::size_t limit) noexcept {
+        most_ = std::max(most_, count_);
         count_ = 0;
         limit_ = limit;
     }
@@ -57,12 +59,15 @@ public:
         }
         count_ = kept;
     }
+    /// Empties it, and gives back what is much more than any use since the last call needed.
+    void trim();
     [[nodiscard]] std::size_t memory() const noexcept { return 2 * sizeof(std::int32_t) * first_.capacity(); }
 
 private:
     void grow(std::size_t count);
     std::vector<std::int32_t> first_, second_;
     std::size_t count_ = 0;
+    std::size_t most_ = 0;  // that were in since trim()
     std::size_t limit_ = 0;
 };
 
@@ -76,6 +81,10 @@ public:
         limit_ = limit;
         total_.store(0, std::memory_order_relaxed);
         for (std::size_t k = 0; k < count; ++k) pieces_[k].clear(limit);
+    }
+    /// Empties all pieces, and gives back what they have much too much of.
+    void trim() {
+        for (PairBuffer& piece : pieces_) piece.trim();
     }
     /// Gives the memory of the pieces back, and them with it.
     void drop() noexcept {

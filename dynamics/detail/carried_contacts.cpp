@@ -15,8 +15,8 @@ CarriedPair carried(const ContactPair& pair, std::size_t first_point) {
 /// @return behind the last one written.
 CarriedPoint* write_points(const ContactSet& contacts, const ContactPair& pair, CarriedPoint* out) {
     for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
-        const Manifold& manifold = contacts.manifolds[m];
-        for (std::size_t k = 0; k < manifold.count; ++k) *out++ = {manifold.points[k].feature, contacts.impulses[m][k]};
+        const ContactManifold& manifold = contacts.manifolds[m];
+        for (std::size_t k = manifold.first_point; k < manifold.first_point + manifold.count; ++k) *out++ = {contacts.points[k].feature, contacts.impulses[k]};
     }
     return out;
 }
@@ -29,10 +29,10 @@ const CarriedPoint* find_point(std::span<const CarriedPoint> points, std::uint64
     return nullptr;
 }
 
-bool has_same_points(const Manifold& manifold, std::span<const CarriedPoint> old) {
-    if (old.size() != manifold.count) return false;
+bool has_same_points(std::span<const ContactPoint> points, std::span<const CarriedPoint> old) {
+    if (old.size() != points.size()) return false;
     std::uint64_t difference = 0;
-    for (std::size_t k = 0; k < old.size(); ++k) difference |= manifold.points[k].feature ^ old[k].feature;
+    for (std::size_t k = 0; k < old.size(); ++k) difference |= points[k].feature ^ old[k].feature;
     return difference == 0;
 }
 
@@ -82,17 +82,17 @@ void CarriedContacts::clear() noexcept {
     memory_.release();
 }
 
-void carry_impulses(const Manifold& manifold, std::span<const CarriedPoint> old, float scale, ManifoldImpulses& impulses) noexcept {
-    impulses = {};
-    if (has_same_points(manifold, old)) {  // nearly always
+void carry_impulses(std::span<const ContactPoint> points, std::span<const CarriedPoint> old, float scale, std::span<PointImpulse> impulses) noexcept {
+    if (has_same_points(points, old)) {  // nearly always
         for (std::size_t k = 0; k < old.size(); ++k) impulses[k] = scaled(old[k].impulse, scale);
         return;
     }
-    for (std::size_t k = 0; k < manifold.count; ++k) {
-        const std::uint64_t feature = manifold.points[k].feature;
+    for (std::size_t k = 0; k < points.size(); ++k) {
+        const std::uint64_t feature = points[k].feature;
         int twins = 0;
-        for (std::size_t earlier = 0; earlier < k; ++earlier) twins += manifold.points[earlier].feature == feature;
-        if (const CarriedPoint* point = find_point(old, feature, twins)) impulses[k] = scaled(point->impulse, scale);
+        for (std::size_t earlier = 0; earlier < k; ++earlier) twins += points[earlier].feature == feature;
+        const CarriedPoint* const point = find_point(old, feature, twins);
+        impulses[k] = point == nullptr ? PointImpulse{} : scaled(point->impulse, scale);
     }
 }
 

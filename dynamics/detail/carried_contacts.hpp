@@ -1,7 +1,7 @@
 // What a step takes over of the contacts of the step before: the impulses of points, by pair and feature. A quarter of what the contacts themselves take.
 //
 //   carried.take(contacts, executor);                             // before contacts are made anew
-//   if (const CarriedPair* old = ...) carry_impulses(manifold, carried.points_of(*old), scale, impulses);
+//   if (const CarriedPair* old = ...) carry_impulses(points, carried.points_of(*old), scale, impulses);
 #pragma once
 
 #include <carom/core/executor.hpp>
@@ -62,8 +62,8 @@ private:
     std::vector<std::uint32_t> firsts_;  // of each part its first point
 };
 
-/// Gives each point of the manifold the impulse that the point of its feature had, times `scale`; zero where it is new. Where several points share a
+/// Gives each point of a manifold the impulse that the point of its feature had, times `scale`; zero where it is new. Where several points share a
 /// feature, the n-th gets the n-th one's.
-void carry_impulses(const Manifold& manifold, std::span<const CarriedPoint> old, float scale, ManifoldImpulses& impulses) noexcept;
+void carry_impulses(std::span<const ContactPoint> points, std::span<const CarriedPoint> old, float scale, std::span<PointImpulse> impulses) noexcept;
 
 }  // namespace carom::dynamics

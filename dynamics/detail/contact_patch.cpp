@@ -56,6 +56,7 @@ void ContactPatch::finish(Executor& executor) {
         merge_into(set_.pairs, changes_.pairs);
         number_manifolds(set_);
     }
+    set_.close_up();
     sum_up(set_, executor);
 }
 
@@ -67,9 +68,7 @@ void ContactPatch::pass_until(std::uint64_t key) {
 
 void ContactPatch::drop(ContactPair& pair) {
     for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
-        set_.manifolds[m] = Manifold{};
-        set_.manifolds[m].pair = kNoPair;
-        set_.impulses[m] = {};
+        set_.drop(m);
         changes_.removed.push_back(m);
     }
     pair.manifold_count = 0;
@@ -84,9 +83,7 @@ void ContactPatch::replace(ContactPair& pair, std::span<const Manifold> found) {
     begin(pair);
     std::uint32_t m = pair.first_manifold;
     for (const Manifold& manifold : found) {
-        const std::uint32_t number = set_.manifolds[m].pair;
         put(pair, m, manifold);
-        set_.manifolds[m].pair = number;
         changes_.replaced.push_back(m++);
     }
 }
@@ -95,7 +92,9 @@ void ContactPatch::replace(ContactPair& pair, std::span<const Manifold> found) {
 void ContactPatch::note_points(const ContactPair& pair) {
     changes_.points.clear();
     for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
-        for (std::size_t k = 0; k < set_.manifolds[m].count; ++k) changes_.points.push_back({set_.manifolds[m].points[k].feature, set_.impulses[m][k]});
+        const ContactManifold& manifold = set_.manifolds[m];
+        for (std::size_t k = manifold.first_point; k < manifold.first_point + manifold.count; ++k)
+            changes_.points.push_back({set_.points[k].feature, set_.impulses[k]});
     }
 }
 
@@ -106,17 +105,16 @@ void ContactPatch::append(ContactPair& pair, std::span<const Manifold> found) {
     for (const Manifold& manifold : found) {
         const auto m = static_cast<std::uint32_t>(set_.manifolds.size());
         append_with_room(set_.manifolds);
-        append_with_room(set_.impulses);
         put(pair, m, manifold);
         changes_.added.push_back(m);
     }
 }
 
 void ContactPatch::put(ContactPair& pair, std::uint32_t m, const Manifold& found) {
-    set_.manifolds[m] = found;
+    set_.put(m, found);
     pair.point_count += found.count;
     for (const ContactPoint& point : found.used()) pair.predicted = pair.predicted && point.separation > 0.0f;
-    carry_impulses(found, changes_.points, 1.0f, set_.impulses[m]);
+    carry_impulses(found.used(), changes_.points, 1.0f, set_.impulses_of(m));
 }
 
 }  // namespace carom::dynamics

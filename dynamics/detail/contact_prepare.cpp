@@ -22,18 +22,15 @@ using dynamics::ManifoldRow;
 using dynamics::PrepareInput;
 
 constexpr std::size_t kRowStride = sizeof(ManifoldRow) / sizeof(float);
-constexpr std::size_t kManifoldStride = sizeof(Manifold) / sizeof(float);
-constexpr std::size_t kFirstPoint = offsetof(Manifold, points) / sizeof(float);
 constexpr std::size_t kPointStride = sizeof(ContactPoint) / sizeof(float);
-constexpr std::size_t kImpulseStride = sizeof(dynamics::ManifoldImpulses) / sizeof(float);
-constexpr std::size_t kPointImpulse = sizeof(dynamics::PointImpulse) / sizeof(float);
+constexpr std::size_t kImpulseStride = sizeof(dynamics::PointImpulse) / sizeof(float);
 static_assert(offsetof(ContactPoint, separation) == 12 && sizeof(dynamics::PointImpulse) == 16);
 
 // One manifold of each lane, without its points.
 struct WideManifold {
     Floats3 origin_a, origin_b;
-    Ints index;  ///< in the manifolds; 0 in unused lanes, whose points count for nothing
-    Ints count;
+    Ints first_point;
+    Ints count;  ///< 0 in unused lanes
 };
 
 constexpr std::size_t kMassStride = sizeof(dynamics::SolverMass) / sizeof(float);
@@ -113,43 +110,39 @@ CAROM_PASS_INLINE void prepare_point(PointLanes& p, int lane, const WideManifold
     put(p.tangent_impulse_2, lane, dot(point.friction_impulse, basis.t2));
 }
 
-CAROM_PASS_INLINE Ints manifold_numbers(const ContactBundle& c, int lane) {
-    return load(reinterpret_cast<const std::int32_t*>(c.manifold.data()) + lane);  // kUnusedLane is -1
-}
-
 CAROM_PASS_INLINE WideManifold read_manifold(ContactBundle& c, int lane, const ManifoldRow* all) {
-    const Ints number = manifold_numbers(c, lane);
-    const Mask unused = number < Ints{0};
     alignas(64) std::int32_t row[kLanes];
     for (int k = 0; k < kLanes; ++k) row[k] = lane + k;
     const float* const rows = all->normal;
-    Floats nx, ny, nz, push_limit, ox, oy, oz, friction, px, py, pz, round, row_a, row_b, count, fixed;
+    Floats nx, ny, nz, push_limit, ox, oy, oz, friction, px, py, pz, round, row_a, row_b, first_point, count;
     gather_rows(rows, row, kRowStride, 0, nx, ny, nz, push_limit);
     gather_rows(rows, row, kRowStride, 4, ox, oy, oz, friction);
     gather_rows(rows, row, kRowStride, 8, px, py, pz, round);
-    gather_rows(rows, row, kRowStride, 12, row_a, row_b, count, fixed);
+    gather_rows(rows, row, kRowStride, 12, row_a, row_b, first_point, count);
     store(as_ints(row_a), c.row_a.data() + lane);
     store(as_ints(row_b), c.row_b.data() + lane);
     put(c.nx, lane, nx), put(c.ny, lane, ny), put(c.nz, lane, nz);
     put(c.push_limit, lane, push_limit);
     put(c.friction, lane, friction);
-    const Ints balls = as_ints(round);
+    const Ints balls = as_ints(round), counted = as_ints(count), fixed{ManifoldRow::kMeetsFixed};
     const Mask both = balls > Ints{3};
     put(c.curvature, lane, select(both, round, broadcast(0.0f)));
     const auto bit = [](Mask which, std::int32_t trait) { return select(which, Ints{trait}, Ints{0}); };
     store(bit(both | (balls == Ints{1}), LaneTraits::kBallA) | bit(both | (balls == Ints{2}), LaneTraits::kBallB) |
-              bit(as_ints(fixed) != Ints{0}, LaneTraits::kFixed),
+              bit((counted & fixed) == fixed, LaneTraits::kFixed),
           c.traits.data() + lane);
-    return {{ox, oy, oz}, {px, py, pz}, select(unused, Ints{0}, number), as_ints(count)};
+    return {{ox, oy, oz}, {px, py, pz}, as_ints(first_point), counted & Ints{ManifoldRow::kMeetsFixed - 1}};
 }
 
-CAROM_PASS_INLINE WidePoint read_point(const WideManifold& m, const std::int32_t* index, std::size_t k, const PrepareInput& in) {
-    const auto* const manifolds = reinterpret_cast<const float*>(in.manifolds.data());
+CAROM_PASS_INLINE WidePoint read_point(const WideManifold& m, std::int32_t k, const PrepareInput& in) {
+    const auto* const points = reinterpret_cast<const float*>(in.points.data());
     const auto* const impulses = reinterpret_cast<const float*>(in.impulses.data());
+    const Mask used = m.count > Ints{k};
+    alignas(64) std::int32_t index[kLanes];
+    store(select(used, m.first_point + Ints{k}, Ints{0}), index);  // the first is there: some lane has this point
     Floats x, y, z, separation, normal, fx, fy, fz;
-    gather_rows(manifolds, index, kManifoldStride, kFirstPoint + k * kPointStride, x, y, z, separation);
-    gather_rows(impulses, index, kImpulseStride, k * kPointImpulse, normal, fx, fy, fz);
-    const Mask used = m.count > Ints{static_cast<std::int32_t>(k)};
+    gather_rows(points, index, kPointStride, 0, x, y, z, separation);
+    gather_rows(impulses, index, kImpulseStride, 0, normal, fx, fy, fz);
     const Floats zero = broadcast(0.0f);
     return {{x, y, z}, select(used, separation, zero), select(used, normal, zero), select(used, Floats3{fx, fy, fz}, Floats3{zero, zero, zero}),
             used};
@@ -171,10 +164,8 @@ void prepare_bundle(ContactBundle& c, const PrepareInput& in) {
         const Symmetric inertia_b = turn_mass(in.bodies, c.row_b.data() + lane, basis, c.b, lane);
         const Masses masses{inertia_a, inertia_b, get(c.a.inverse_mass, lane) + get(c.b.inverse_mass, lane)};
         const Floats bias_rate = bias_rates(c, lane, in.soft), push_limit = get(c.push_limit, lane);
-        alignas(64) std::int32_t index[kLanes];
-        store(m.index, index);
         for (std::int32_t k = 0; k < most; ++k) {
-            const WidePoint point = read_point(m, index, static_cast<std::size_t>(k), in);
+            const WidePoint point = read_point(m, k, in);
             c.deep += static_cast<std::int32_t>(hwy::PopCount(bits(point.used & (bias_rate * point.separation < -push_limit))));
             prepare_point(c.points[static_cast<std::size_t>(k)], lane, m, point, basis, masses);
         }
@@ -232,26 +223,33 @@ void RenewMasses(std::span<ContactBundle> bundles, const SolverBodies& bodies, c
     }
 }
 
-void StoreImpulses(std::span<const ContactBundle> bundles, std::span<dynamics::ManifoldImpulses> impulses) {
+void StoreImpulses(std::span<const ContactBundle> bundles, std::span<const dynamics::ContactManifold> manifolds, std::span<dynamics::PointImpulse> impulses) {
     auto* const to = reinterpret_cast<float*>(impulses.data());
     constexpr std::int32_t kNowhere = std::numeric_limits<std::int32_t>::max();
     for (const ContactBundle& c : bundles) {
         for (int lane = 0; lane < kBundleWidth; lane += kLanes) {
-            const Ints number = manifold_numbers(c, lane);
-            alignas(64) std::int32_t row[kLanes];
-            store(select(number < Ints{0}, Ints{kNowhere}, number), row);
+            alignas(64) std::int32_t first[kLanes], count[kLanes], row[kLanes];
+            for (std::size_t k = 0; k < std::size_t{kLanes}; ++k) {
+                const std::uint32_t m = c.manifold[static_cast<std::size_t>(lane) + k];
+                const bool used = m != dynamics::kUnusedLane;
+                first[k] = used ? static_cast<std::int32_t>(manifolds[m].first_point) : 0;
+                count[k] = used ? manifolds[m].count : 0;
+            }
+            const Ints firsts = load(first), counts = load(count);
             const Basis basis = make_basis(c, lane);
             for (int k = 0; k < c.point_count; ++k) {
                 const PointLanes& p = c.points[static_cast<std::size_t>(k)];
                 const Floats3 friction = get(p.tangent_impulse_1, lane) * basis.t1 + get(p.tangent_impulse_2, lane) * basis.t2;
-                scatter_rows(to, row, kImpulseStride, static_cast<std::size_t>(k) * kPointImpulse, get(p.normal_impulse, lane), friction.x,
+                store(select(counts > Ints{k}, firsts + Ints{k}, Ints{kNowhere}), row);
+                scatter_rows(to, row, kImpulseStride, 0, get(p.normal_impulse, lane), friction.x,
                              friction.y, friction.z, kNowhere);
             }
         }
     }
 }
 
-void CarryGaps(std::span<ContactBundle> bundles, std::span<Manifold> manifolds, const dynamics::SoftContacts& soft) {
+void CarryGaps(std::span<ContactBundle> bundles, std::span<const dynamics::ContactManifold> manifolds, std::span<ContactPoint> points,
+               const dynamics::SoftContacts& soft) {
     for (ContactBundle& c : bundles) {
         c.deep = 0;
         for (int k = 0; k < c.point_count; ++k) {
@@ -263,7 +261,7 @@ void CarryGaps(std::span<ContactBundle> bundles, std::span<Manifold> manifolds, 
                 c.deep += static_cast<std::int32_t>(hwy::PopCount(bits(used & (bias_rates(c, lane, soft) * separation < -get(c.push_limit, lane)))));
             }
             for (std::size_t lane = 0; lane < kBundleWidth; ++lane) {
-                if (p.normal_mass[lane] > 0.0f) manifolds[c.manifold[lane]].points[static_cast<std::size_t>(k)].separation = p.separation[lane];
+                if (p.normal_mass[lane] > 0.0f) points[manifolds[c.manifold[lane]].first_point + static_cast<std::uint32_t>(k)].separation = p.separation[lane];
             }
         }
     }
@@ -289,12 +287,12 @@ void renew_masses(std::span<ContactBundle> bundles, const SolverBodies& bodies, 
     HWY_DYNAMIC_DISPATCH(RenewMasses)(bundles, bodies, changed.data());
 }
 
-void store_impulses(std::span<const ContactBundle> bundles, std::span<ManifoldImpulses> impulses) {
-    HWY_DYNAMIC_DISPATCH(StoreImpulses)(bundles, impulses);
+void store_impulses(std::span<const ContactBundle> bundles, std::span<const ContactManifold> manifolds, std::span<PointImpulse> impulses) {
+    HWY_DYNAMIC_DISPATCH(StoreImpulses)(bundles, manifolds, impulses);
 }
 
-void carry_gaps(std::span<ContactBundle> bundles, std::span<Manifold> manifolds, const SoftContacts& soft) {
-    HWY_DYNAMIC_DISPATCH(CarryGaps)(bundles, manifolds, soft);
+void carry_gaps(std::span<ContactBundle> bundles, std::span<const ContactManifold> manifolds, std::span<ContactPoint> points, const SoftContacts& soft) {
+    HWY_DYNAMIC_DISPATCH(CarryGaps)(bundles, manifolds, points, soft);
 }
 
 }  // namespace dynamics

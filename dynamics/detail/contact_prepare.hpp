@@ -1,9 +1,9 @@
 // Contacts into the lanes of bundles, ready for the passes, and impulses back out.
 //
 //   put_row(bundle, lane, row);                                                  // of all lanes
-//   prepare_bundles(bundles, {manifolds, impulses, bodies, soft, soft_static});
+//   prepare_bundles(bundles, {points, impulses, bodies, soft});
 //   ... passes ...
-//   store_impulses(bundles, impulses);
+//   store_impulses(bundles, manifolds, impulses);
 //
 // Rows of memory become lanes by 128-bit loads and transposes, sixteen manifolds at a time.
 #pragma once
@@ -27,8 +27,9 @@ struct alignas(64) ManifoldRow {
     float origin_b[3] = {};        ///< and from B's
     std::int32_t round = 0;        ///< 1: A is a ball about its centre of mass; 2: B is; both: the bits of the float 1 / (2 × distance of their centres) [1/m]
     std::int32_t row_a = 0, row_b = 0;
-    std::int32_t count = 0;        ///< points in use
-    std::int32_t meets_fixed = 0;  ///< 1: one of the two cannot give way
+    std::int32_t first_point = 0;
+    std::int32_t count = 0;        ///< points in use; and kMeetsFixed where one of the two cannot give way
+    static constexpr std::int32_t kMeetsFixed = 8;
 };
 
 /// Until a bundle is prepared, the rows of its lanes lie where the masses and what follows come to be: written manifold by manifold and read bundle by bundle, they
@@ -40,8 +41,8 @@ inline void put_row(ContactBundle& bundle, std::size_t lane, const ManifoldRow& 
 }
 
 struct PrepareInput {
-    std::span<const Manifold> manifolds;
-    std::span<const ManifoldImpulses> impulses;
+    std::span<const ContactPoint> points;
+    std::span<const PointImpulse> impulses;
     const SolverBodies& bodies;
     SoftContacts soft;
 };
@@ -50,14 +51,14 @@ struct PrepareInput {
 /// arms, effective masses, and the impulses to start from along the tangents.
 void prepare_bundles(std::span<ContactBundle> bundles, const PrepareInput& input);
 
-/// Takes the gap that the last pass found for each point's separation, here and in its manifold: the next step begins where this one ended.
+/// Takes the gap that the last pass found for each point's separation, here and in the contacts: the next step begins where this one ended.
 /// @param soft  as they were prepared
-void carry_gaps(std::span<ContactBundle> bundles, std::span<Manifold> manifolds, const SoftContacts& soft);
+void carry_gaps(std::span<ContactBundle> bundles, std::span<const ContactManifold> manifolds, std::span<ContactPoint> points, const SoftContacts& soft);
 
 /// Effective masses anew, of bundles with a row that is 1 in `changed`: the inverse inertias of these have changed.
 void renew_masses(std::span<ContactBundle> bundles, const SolverBodies& bodies, std::span<const unsigned char> changed);
 
 /// Writes the accumulated impulses of all lanes to their contacts.
-void store_impulses(std::span<const ContactBundle> bundles, std::span<ManifoldImpulses> impulses);
+void store_impulses(std::span<const ContactBundle> bundles, std::span<const ContactManifold> manifolds, std::span<PointImpulse> impulses);
 
 }  // namespace carom::dynamics

@@ -11,7 +11,7 @@
 namespace carom::dynamics {
 namespace {
 
-double friction_of(const ProxySet& proxies, const ContactPair& pair, const Manifold& manifold) {
+double friction_of(const ProxySet& proxies, const ContactPair& pair, const ContactManifold& manifold) {
     const Surface met = combine(surface_of_part(proxies.surfaces[pair.proxy_a()], manifold.part_a), surface_of_part(proxies.surfaces[pair.proxy_b()], manifold.part_b));
     return static_cast<double>(met.friction);
 }
@@ -51,20 +51,21 @@ ContactResidual ResidualMeter::measure(const ContactSet& contacts, const ProxySe
     loads_.assign(bodies.states.size(), {});
     double largest = 0.0, excess = 0.0;
     for (std::size_t m = 0; m < contacts.manifolds.size(); ++m) {
-        const Manifold& manifold = contacts.manifolds[m];
+        const ContactManifold& manifold = contacts.manifolds[m];
         if (manifold.pair == kNoPair) continue;
         const ContactPair& pair = contacts.pairs[manifold.pair];
         if (!pair.is_solved()) continue;
         const double friction = friction_of(proxies, pair, manifold);
         const BodyState &a = bodies.states[pair.body_a.slot], &b = bodies.states[pair.body_b.slot];
         for (std::size_t k = 0; k < manifold.count; ++k) {
-            const PointImpulse& point = contacts.impulses[m][k];
-            const dvec3 normal{manifold.normal}, at = proxies.poses[pair.proxy_a()].position + dvec3{manifold.points[k].position};
+            const PointImpulse& point = contacts.impulses[manifold.first_point + k];
+            const ContactPoint& where = contacts.points[manifold.first_point + k];
+            const dvec3 normal{manifold.normal}, at = proxies.poses[pair.proxy_a()].position + dvec3{where.position};
             const auto pushed = static_cast<double>(point.normal);
             add_impulse(pair, static_cast<double>(step.substeps) * (pushed * normal + dvec3{point.friction}));
             // Arms are those of the step's start, as the solver's are.
             const dvec3 u = velocity_at_arm(b, at - before_[pair.body_b.slot].pose.position) - velocity_at_arm(a, at - before_[pair.body_a.slot].pose.position);
-            out.speed = std::max(out.speed, speed_error(glm::dot(u, normal), pushed, static_cast<double>(manifold.points[k].separation)));
+            out.speed = std::max(out.speed, speed_error(glm::dot(u, normal), pushed, static_cast<double>(where.separation)));
             largest = std::max(largest, pushed);
             excess = std::max(excess, glm::length(dvec3{point.friction}) - friction * pushed);
         }

@@ -262,7 +262,7 @@ void ContactSolver::fill_group(std::size_t first, std::size_t count, const Conta
         const std::uint32_t m = some.manifold[lane] = lane < count ? moves_[first + lane].manifold : kUnusedLane;
         put_row(some, lane, m == kUnusedLane ? unused_row() : row(m));
     }
-    prepare_bundles({&some, 1}, {contacts.manifolds, contacts.impulses, rows_, soft_});
+    prepare_bundles({&some, 1}, {contacts.points, contacts.impulses, rows_, soft_});
     for (std::size_t lane = 0; lane < count; ++lane) {
         Move& move = moves_[first + lane];
         ContactBundle& to = bundles_[move.place / kLanesPerBundle];

@@ -4,17 +4,17 @@
 #include <carom/dynamics/detail/room.hpp>
 
 #include <algorithm>
+#include <utility>
 
 namespace carom::dynamics {
 namespace {
 
 /// The mean is the sum until all are in. Without branches: which points overlap is anybody's guess.
-void sum_up(const Manifold& manifold, ContactSummary& s) {
-    s.points += manifold.count;
-    for (std::size_t k = 0; k < kMaxManifoldPoints; ++k) {
-        const float separation = manifold.points[k].separation;
-        const double depth = separation < 0.0f ? -static_cast<double>(separation) : 0.0;  // 0 where it is not used
-        s.touching += static_cast<std::size_t>(k < manifold.count) & static_cast<std::size_t>(separation <= 0.0f);
+void sum_up(std::span<const ContactPoint> points, ContactSummary& s) {
+    s.points += points.size();
+    for (const ContactPoint& point : points) {
+        const double depth = point.separation < 0.0f ? -static_cast<double>(point.separation) : 0.0;
+        s.touching += static_cast<std::size_t>(point.separation <= 0.0f);
         s.mean_penetration += depth;
         s.max_penetration = std::max(s.max_penetration, depth);
     }
@@ -50,7 +50,7 @@ void for_parts(std::size_t pairs, Executor& executor, const Work& work) {
 
 /// Each part puts its own where it begins; then they close up.
 void list_firsts(ContactSet& contacts, Executor& executor) {
-    const std::vector<Manifold>& manifolds = contacts.manifolds;
+    const std::vector<ContactManifold>& manifolds = contacts.manifolds;
     std::vector<std::uint32_t>& firsts = contacts.firsts;
     resize_with_room(firsts, manifolds.size() + 1);
     contacts.first_counts.assign(part_count(manifolds.size()), 0);
@@ -74,7 +74,7 @@ void list_firsts(ContactSet& contacts, Executor& executor) {
 
 /// Pairs [begin, end).
 ContactSummary link_part(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t candidate)> make, std::size_t begin, std::size_t end) {
-    std::vector<Manifold>& manifolds = contacts.manifolds;
+    std::vector<ContactManifold>& manifolds = contacts.manifolds;
     ContactSummary sum;
     for (std::size_t i = begin; i < end; ++i) {
         const std::uint32_t first = contacts.firsts[i], next = contacts.firsts[i + 1];
@@ -86,7 +86,7 @@ ContactSummary link_part(ContactSet& contacts, FunctionRef<ContactPair(std::uint
         for (std::uint32_t m = first; m < next; ++m) {
             manifolds[m].pair = static_cast<std::uint32_t>(i);
             pair.point_count += manifolds[m].count;
-            sum_up(manifolds[m], sum);
+            sum_up(contacts.points_of(manifolds[m]), sum);
         }
         pair.predicted = sum.touching == touched;
     }
@@ -102,11 +102,7 @@ void carry_part(ContactSet& contacts, const CarriedContacts& before, float scale
         while (old != old_pairs.end() && old->key < pair.key) ++old;
         const bool known = old != old_pairs.end() && old->is(pair);
         for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
-            if (known) {
-                carry_impulses(contacts.manifolds[m], before.points_of(*old), scale, contacts.impulses[m]);
-            } else {
-                contacts.impulses[m] = {};
-            }
+            if (known) carry_impulses(contacts.points_of(contacts.manifolds[m]), before.points_of(*old), scale, contacts.impulses_of(m));
         }
     }
 }
@@ -117,15 +113,71 @@ void sum_up(ContactSet& contacts, Executor& executor) {
     contacts.parts.assign(part_count(contacts.manifolds.size()), {});
     for_parts(contacts.manifolds.size(), executor, [&](std::size_t part, std::size_t begin, std::size_t end) {
         ContactSummary sum;
-        for (std::size_t m = begin; m < end; ++m) sum_up(contacts.manifolds[m], sum);
+        for (std::size_t m = begin; m < end; ++m) sum_up(contacts.points_of(contacts.manifolds[m]), sum);
         contacts.parts[part] = sum;
     });
     add_parts(contacts);
 }
 
+Manifold ContactSet::whole(std::uint32_t manifold) const noexcept {
+    const ContactManifold& m = manifolds[manifold];
+    Manifold out{.normal = m.normal, .pair = m.pair, .count = m.count, .part_a = m.part_a, .part_b = m.part_b};
+    std::ranges::copy(points_of(m), out.points.begin());
+    return out;
+}
+
+void ContactSet::append(const Manifold& manifold, std::uint32_t pair) {
+    const auto m = static_cast<std::uint32_t>(manifolds.size());
+    append_with_room(manifolds).pair = pair;
+    put(m, manifold);
+}
+
+void ContactSet::put(std::uint32_t manifold, const Manifold& found) {
+    ContactManifold& m = manifolds[manifold];
+    const auto count = static_cast<std::uint8_t>(found.count);
+    if (count > m.room) {
+        unused_points += m.room;
+        m.first_point = static_cast<std::uint32_t>(points.size());
+        m.room = count;
+        resize_with_room(points, points.size() + count);
+        resize_with_room(impulses, points.size());
+    }
+    m.normal = found.normal;
+    m.count = count;
+    m.part_a = found.part_a, m.part_b = found.part_b;
+    std::copy_n(found.points.begin(), count, points.begin() + m.first_point);
+    std::fill_n(impulses.begin() + m.first_point, count, PointImpulse{});
+}
+
+void ContactSet::drop(std::uint32_t manifold) noexcept {
+    unused_points += manifolds[manifold].room;
+    manifolds[manifold] = {.pair = kNoPair};
+}
+
+void ContactSet::close_up() {
+    constexpr std::size_t kFew = 64, kShare = 16;  // of those in use
+    if (unused_points <= kFew + (points.size() - unused_points) / kShare) return;
+    std::vector<ContactPoint> tight_points;
+    std::vector<PointImpulse> tight_impulses;
+    tight_points.reserve(with_room(points.size() - unused_points));
+    tight_impulses.reserve(tight_points.capacity());
+    for (ContactManifold& m : manifolds) {
+        const std::size_t first = std::exchange(m.first_point, static_cast<std::uint32_t>(tight_points.size()));
+        const auto move = [&](const auto& from, auto& to) {
+            const auto begin = from.begin() + static_cast<std::ptrdiff_t>(first);
+            to.insert(to.end(), begin, begin + m.count);
+        };
+        move(points, tight_points), move(impulses, tight_impulses);
+        m.room = m.count;
+    }
+    points.swap(tight_points), impulses.swap(tight_impulses);
+    unused_points = 0;
+}
+
 void ContactSet::trim() {
     trim_kept(pairs);
     trim_kept(manifolds);
+    trim_kept(points);
     trim_kept(impulses);
     trim_kept(order);
     trim_scratch(firsts);
@@ -137,7 +189,6 @@ void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t 
     list_firsts(contacts, executor);
     const std::size_t count = contacts.firsts.size() - 1;
     resize_with_room(contacts.pairs, count);
-    resize_with_room(contacts.impulses, contacts.manifolds.size());
     contacts.parts.assign(part_count(count), {});
     for_parts(count, executor, [&](std::size_t part, std::size_t begin, std::size_t end) {
         contacts.parts[part] = link_part(contacts, make, begin, end);
@@ -149,6 +200,6 @@ void link_manifolds(ContactSet& contacts, FunctionRef<ContactPair(std::uint32_t 
     add_parts(contacts);
 }
 
-std::size_t ContactSet::memory() const noexcept { return held_by(pairs, manifolds, order, impulses, flying, firsts, first_counts, parts); }
+std::size_t ContactSet::memory() const noexcept { return held_by(pairs, manifolds, points, order, impulses, flying, firsts, first_counts, parts); }
 
 }  // namespace carom::dynamics

@@ -6,7 +6,7 @@
 #include <carom/core/ids.hpp>
 #include <carom/narrowphase/manifold.hpp>
 
-#include <array>
+#include <algorithm>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -41,7 +41,18 @@ struct PointImpulse {
     float normal = 0.0f;
     vec3 friction{0.0f};  ///< world axes: survives a change of the tangents
 };
-using ManifoldImpulses = std::array<PointImpulse, kMaxManifoldPoints>;
+
+/// A manifold without its points, which lie with those of all others: of four that it may have a pile's has one or two.
+struct ContactManifold {
+    vec3 normal{0.0f};              ///< unit, world axes, from A to B
+    std::uint32_t pair = 0;         ///< index of the pair
+    std::uint32_t first_point = 0;  ///< and its impulse
+    std::uint8_t count = 0;         ///< points in use, 1..4
+    std::uint8_t room = 0;          ///< that are its own, in use or not
+    std::uint16_t part_a = 0;       ///< of A, where it is a compound; otherwise 0
+    std::uint16_t part_b = 0;
+};
+static_assert(sizeof(ContactManifold) == 28, "a world has two or three a body");
 
 /// Largest and mean penetration by the manifolds themselves.
 struct ContactSummary {
@@ -56,10 +67,12 @@ inline constexpr std::uint32_t kNoPair = ~std::uint32_t{0};
 
 struct ContactSet {
     std::vector<ContactPair> pairs;
-    std::vector<Manifold> manifolds;          ///< of a pair in a row; in the order of the pairs unless it is patched
+    std::vector<ContactManifold> manifolds;   ///< of a pair in a row; in the order of the pairs unless it is patched
+    std::vector<ContactPoint> points;         ///< of a manifold in a row
+    std::vector<PointImpulse> impulses;       ///< one for each point
+    std::size_t unused_points = 0;            ///< of points that no manifold has any more
     bool patched = false;                     ///< some manifolds lie elsewhere, or are unused (kNoPair)
     std::vector<std::uint32_t> order;         ///< where it is patched: of the manifolds in use, in the order of the pairs
-    std::vector<ManifoldImpulses> impulses;   ///< one for each manifold
     ContactSummary summary;                   ///< of the manifolds
     std::vector<std::uint32_t> flying;        ///< pairs that fly
     std::vector<std::uint32_t> firsts;        ///< of each pair its first manifold, and the end: while pairs are made
@@ -69,6 +82,27 @@ struct ContactSet {
     [[nodiscard]] std::size_t manifold_count() const noexcept { return patched ? order.size() : manifolds.size(); }
     /// The i-th manifold in the order of the pairs, of those in use.
     [[nodiscard]] std::uint32_t manifold_number(std::size_t i) const noexcept { return patched ? order[i] : static_cast<std::uint32_t>(i); }
+
+    [[nodiscard]] std::span<const ContactPoint> points_of(const ContactManifold& m) const noexcept { return std::span{points}.subspan(m.first_point, m.count); }
+    [[nodiscard]] std::span<const PointImpulse> impulses_of(std::uint32_t manifold) const noexcept {
+        return std::span{impulses}.subspan(manifolds[manifold].first_point, manifolds[manifold].count);
+    }
+    [[nodiscard]] std::span<PointImpulse> impulses_of(std::uint32_t manifold) noexcept {
+        return std::span{impulses}.subspan(manifolds[manifold].first_point, manifolds[manifold].count);
+    }
+    void clear_impulses(const ContactPair& pair) noexcept {
+        for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) std::ranges::fill(impulses_of(m), PointImpulse{});
+    }
+    /// The manifold with its points.
+    [[nodiscard]] Manifold whole(std::uint32_t manifold) const noexcept;
+    /// Appends a manifold; its impulses are zero.
+    void append(const Manifold& manifold, std::uint32_t pair);
+    /// Puts another one in its place: among the points of the one that was there, if there is room.
+    void put(std::uint32_t manifold, const Manifold& found);
+    /// The manifold is not used any more.
+    void drop(std::uint32_t manifold) noexcept;
+    /// Closes the ranks of the points, if many are unused.
+    void close_up();
 
     /// How many points of a manifold in use are to be solved.
     [[nodiscard]] std::uint32_t solved_points(std::uint32_t manifold) const noexcept {
@@ -82,7 +116,9 @@ struct ContactSet {
         patched = false;
         pairs.clear();
         manifolds.clear();
+        points.clear();
         impulses.clear();
+        unused_points = 0;
     }
     /// Gives memory back where much more is held than needed (room.hpp).
     void trim();
@@ -91,7 +127,7 @@ struct ContactSet {
 
 class CarriedContacts;
 
-/// Makes a pair of each candidate that has manifolds, by `make` and in their order, numbers the manifolds' pairs by it, and sums the manifolds
+/// Makes a pair of each candidate that has manifolds (append() names it as the pair), by `make` and in their order, numbers the manifolds' pairs by it, and sums the manifolds
 /// up. Gives each point the impulses that the point of the same feature and the same pair had in `before`, times `scale` (the ratio of the
 /// substeps: forces stay, impulses do not); zero where it is new (carry_impulses() has the rule).
 /// In parts of fixed length: the same bits on every number of threads. Cost: linear in the two sets.

@@ -84,7 +84,7 @@ void ContactSolver::prepare(const ContactSet& contacts, std::span<const unsigned
     fill_lanes(executor);
     put_rows(contacts, proxies, executor);
     begin_rows(proxies, bodies, executor);  // where the sides were
-    const PrepareInput input{contacts.manifolds, contacts.impulses, rows_, soft_};
+    const PrepareInput input{contacts.points, contacts.impulses, rows_, soft_};
     deep_count_ = 0;
     for_bundles(executor, [&](std::span<ContactBundle> some) {
         prepare_bundles(some, input);
@@ -240,7 +240,7 @@ void ContactSolver::put_rows(const ContactSet& contacts, const ProxySet& proxies
 }
 
 ManifoldRow ContactSolver::row_of(const ContactSet& contacts, std::uint32_t number, const Side& a, const Side& b, const ProxySet& proxies) const {
-    const Manifold& manifold = contacts.manifolds[number];
+    const ContactManifold& manifold = contacts.manifolds[number];
     const ContactPair& pair = contacts.pairs[manifold.pair];
     ManifoldRow row;
     row.normal[0] = manifold.normal.x, row.normal[1] = manifold.normal.y, row.normal[2] = manifold.normal.z;
@@ -260,8 +260,8 @@ ManifoldRow ContactSolver::row_of(const ContactSet& contacts, std::uint32_t numb
     }
     row.row_a = a.row;
     row.row_b = b.row;
-    row.count = static_cast<std::int32_t>(contacts.solved_points(number));
-    row.meets_fixed = a.row >= rows_.movable || b.row >= rows_.movable ? 1 : 0;
+    row.first_point = static_cast<std::int32_t>(manifold.first_point);
+    row.count = static_cast<std::int32_t>(contacts.solved_points(number)) + (a.row >= rows_.movable || b.row >= rows_.movable ? ManifoldRow::kMeetsFixed : 0);
     return row;
 }
 
@@ -373,8 +373,8 @@ void ContactSolver::for_bundles(Executor& executor, FunctionRef<void(std::span<C
     loop_.run(one, threads, work_on_parts, {});
 }
 
-void ContactSolver::carry_gaps(std::span<Manifold> manifolds, Executor& executor) {
-    for_bundles(executor, [&](std::span<ContactBundle> some) { dynamics::carry_gaps(some, manifolds, soft_); });
+void ContactSolver::carry_gaps(ContactSet& contacts, Executor& executor) {
+    for_bundles(executor, [&](std::span<ContactBundle> some) { dynamics::carry_gaps(some, contacts.manifolds, contacts.points, soft_); });
 }
 
 void ContactSolver::store(BodyArrays& bodies, ContactSet& contacts, Executor& executor) {
@@ -392,7 +392,7 @@ void ContactSolver::store(BodyArrays& bodies, ContactSet& contacts, Executor& ex
     });
     slender_.store(bodies);
     turning_.store(bodies);
-    for_bundles(executor, [&](std::span<ContactBundle> some) { store_impulses(some, contacts.impulses); });
+    for_bundles(executor, [&](std::span<ContactBundle> some) { store_impulses(some, contacts.manifolds, contacts.impulses); });
     rows_.release();
 }
 

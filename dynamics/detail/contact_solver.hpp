@@ -78,8 +78,8 @@ public:
     /// @param milliseconds  by Stage; what each takes is added.
     void run_listed(Executor& executor, std::span<double> milliseconds);
 
-    /// Gives the manifolds of the last step the separations that it left them with. It must have had a Relax pass.
-    void carry_gaps(std::span<Manifold> manifolds, Executor& executor);
+    /// Gives the contacts of the last step the separations that it left them with. It must have had a Relax pass.
+    void carry_gaps(ContactSet& contacts, Executor& executor);
 
     /// Writes the bodies' new states and the contacts' impulses back. There are no rows after that.
     void store(BodyArrays& bodies, ContactSet& contacts, Executor& executor);

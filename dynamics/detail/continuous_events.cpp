@@ -70,7 +70,7 @@ bool Continuous::overlap_at_start(const ContinuousScene& scene, const Pair& pair
     const auto still = [&](std::uint32_t proxy) {
         const Proxy& p = scene.proxies.by_slot[proxy];
         const PathPiece whole = movers_[mover_of_slot_[scene.proxies.bodies[proxy]]].path.piece(BodyPath::kWhole);
-        return MovingShape{&p.shape, shape_motion(cut(whole, whole.begin, whole.begin), p.local)};
+        return MovingShape{&p.shape, shape_motion(cut(whole, whole.begin, whole.begin), p.local.get())};
     };
     return first_touch(still(pair.a), level, still(pair.b), {}, cores_).status == ImpactStatus::Overlapping;
 }
@@ -109,7 +109,7 @@ void Continuous::find_points(const ContinuousScene& scene, const Event& event, c
     const bool mesh = type_of(proxy_a.shape) == ShapeType::TriangleMesh;
     meeting_.points.clear();
     if (event.level == 0 || event.impact.normal == dvec3{0.0}) {
-        const Pose pose_a = a.pose * proxy_a.local, pose_b = b.pose * proxy_b.local;
+        const Pose pose_a = a.pose * proxy_a.local.get(), pose_b = b.pose * proxy_b.local.get();
         const double margin = event.bend + (kSweepToleranceShare + kMarginShare) * size_of(scene, event.pair);
         manifolds_.clear();
         collide({&proxy_a.shape, &proxy_b.shape, pose_a, pose_b, static_cast<float>(margin)}, 0, manifolds_);

@@ -41,7 +41,7 @@ double Continuous::room_for(const ContinuousScene& scene, std::uint32_t slot, st
             const Pair pair = order(scene, p, q);
             const auto moving = [&](std::uint32_t proxy) {
                 const Proxy& of = scene.proxies.by_slot[proxy];
-                return PathShape{proxy == p ? &shifted_.path : &standing_, &of.shape, &of.local, of.reach};
+                return PathShape{proxy == p ? &shifted_.path : &standing_, &of.shape, &of.local.get(), of.reach};
             };
             PathSearch search{
                 .a = moving(pair.a), .b = moving(pair.b), .level = kLevels - 1, .tolerance = kSweepToleranceShare * size_of(scene, pair)};

@@ -212,10 +212,10 @@ double Continuous::first_chance_of(const ContinuousScene& scene, const Pair& pai
         const Ball other{&mover_b.course, b.reach};
         const double by_balls = first_chance(ball, other, from, room);
         if (by_balls > from || role != Role::Kinematic) return by_balls;
-        return first_chance(ball, other, bounds(b.shape, way.start * b.local), from, room);  // walls and floors are large and thin
+        return first_chance(ball, other, bounds(b.shape, way.start * b.local.get()), from, room);  // walls and floors are large and thin
     }
     if (way.rotation != dvec3{0.0}) return from;  // seldom, and the search is short
-    const Pose pose = way.start * b.local;
+    const Pose pose = way.start * b.local.get();
     const Plane& plane = std::get<Plane>(b.shape);
     const dvec3 n(plane.normal);
     const double length = glm::length(n);
@@ -227,7 +227,7 @@ PathSearch Continuous::search_of(const ContinuousScene& scene, const Pair& pair,
     const Proxy &a = scene.proxies.by_slot[pair.a], &b = scene.proxies.by_slot[pair.b];
     const std::uint32_t body_a = scene.proxies.bodies[pair.a], body_b = scene.proxies.bodies[pair.b];
     Mover &mover_a = movers_[mover_of_slot_[body_a]], &mover_b = movers_[mover_of_slot_[body_b]];
-    PathSearch search{.a = {&mover_a.path, &a.shape, &a.local, a.reach}, .b = {&mover_b.path, &b.shape, &b.local, b.reach}};
+    PathSearch search{.a = {&mover_a.path, &a.shape, &a.local.get(), a.reach}, .b = {&mover_b.path, &b.shape, &b.local.get(), b.reach}};
     search.level = level;
     search.from = from;
     search.tolerance = kSweepToleranceShare * size_of(scene, pair);

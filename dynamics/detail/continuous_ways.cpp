@@ -51,7 +51,7 @@ void Continuous::list_obstacles(const ContinuousScene& scene, std::uint32_t numb
             const std::uint32_t near = mover_of(scene, scene.proxies.bodies[q]);
             if (near == other || near == number || !stands_in_the_way(scene, near)) return;
             const Proxy &proxy_p = scene.proxies.by_slot[p], &proxy_q = scene.proxies.by_slot[q];
-            const Pose pose_p = state.pose * proxy_p.local, pose_q = motion_at(scene, movers_[near], t).pose * proxy_q.local;
+            const Pose pose_p = state.pose * proxy_p.local.get(), pose_q = motion_at(scene, movers_[near], t).pose * proxy_q.local.get();
             const double margin = kObstacleShare * size_of(scene, order(scene, p, q));
             manifolds_.clear();
             collide({&proxy_p.shape, &proxy_q.shape, pose_p, pose_q, static_cast<float>(margin)}, 0, manifolds_);

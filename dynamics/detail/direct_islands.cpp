@@ -73,6 +73,7 @@ void DirectIslands::clear() noexcept {
 bool DirectIslands::choose(const DirectWorld& world, const DirectStep& step, const DirectChoice& choice) {
     const bool any = list_tasks(world, step, choice);
     stiff_.release();
+    if (!any && counts_.waiting == 0) links_.drop_islands();  // large ones are not looked at again for some steps
     return any;
 }
 
@@ -240,7 +241,7 @@ bool DirectIslands::solve_directly(Memory& memory, const IslandLists& island, co
     fill_problem(world, island, memory.stiffness, step, memory.problem);
     memory.result = memory.newton.solve(memory.problem, memory.stiffness.tolerances);
     if (!memory.result.converged && !memory.rested) {
-        for (const std::uint32_t m : island.manifolds) world.contacts.impulses[m] = {};
+        for (const std::uint32_t m : island.manifolds) std::ranges::fill(world.contacts.impulses_of(m), PointImpulse{});
     }
     return memory.result.converged;
 }
@@ -291,7 +292,6 @@ void DirectIslands::solve(const DirectWorld& world, const DirectStep& step, Exec
 }
 
 void DirectIslands::trim() noexcept {
-    stiff_.trim();
     if (gathers_.take_seldom()) links_.drop_islands();
 }
 

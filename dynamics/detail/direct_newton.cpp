@@ -53,7 +53,10 @@ bool DirectNewton::analyse(std::size_t bodies, std::span<const ContactLink> link
     if (before == bodies && before_ == edges_) return true;
     ++orders_;
     const bool affordable = factor_.analyse(static_cast<std::int32_t>(bodies), edges_, most_operations);
-    if (!affordable) edge_bodies_ = 0;
+    if (!affordable) {
+        edge_bodies_ = 0;
+        drop(edges_, before_, edge_of_);  // of a large island, which will not be asked about again soon
+    }
     return affordable;
 }
 

@@ -30,7 +30,7 @@ struct Surfaces {
     double friction = 0.0, restitution = 0.0;
 };
 
-Surfaces surfaces_of(const ProxySet& proxies, const ContactPair& pair, const Manifold& manifold) {
+Surfaces surfaces_of(const ProxySet& proxies, const ContactPair& pair, const ContactManifold& manifold) {
     const auto surface = [&](std::uint32_t slot, std::uint16_t part) {
         return surface_of_part(proxies.surfaces[slot], part);
     };
@@ -85,7 +85,7 @@ IslandShape look_at_island(const DirectWorld& world, std::span<const std::uint32
     // A body at rest falls by g dt in a step: anything up to a few times that is no impact, as in the soft solver.
     const double threshold = 4.0 * pull * step.dt;
     for (const std::uint32_t m : manifolds) {
-        const Manifold& manifold = world.contacts.manifolds[m];
+        const ContactManifold& manifold = world.contacts.manifolds[m];
         const ContactPair& pair = world.contacts.pairs[manifold.pair];
         shape.extent = std::min(shape.extent, extent_of(world.proxies, pair));
         for (const std::uint32_t slot : {pair.proxy_a(), pair.proxy_b()}) {
@@ -94,7 +94,7 @@ IslandShape look_at_island(const DirectWorld& world, std::span<const std::uint32
         if (shape.impact || pair.passes || surfaces_of(world.proxies, pair, manifold).restitution <= 0.0) continue;
         const BodyState& a = world.bodies.states[pair.body_a.slot];
         const BodyState& b = world.bodies.states[pair.body_b.slot];
-        for (const ContactPoint& point : manifold.used()) {
+        for (const ContactPoint& point : world.contacts.points_of(manifold)) {
             const dvec3 at = world.proxies.poses[pair.proxy_a()].position + dvec3{point.position};
             shape.impact |= glm::dot(point_velocity(b, at) - point_velocity(a, at), dvec3{manifold.normal}) < -threshold;
         }
@@ -126,7 +126,7 @@ void fill_problem(const DirectWorld& world, const IslandLists& island, const Isl
     const double dt = step.dt, slow = dt + stiffness.relaxation;
     for (std::size_t i = 0; i < island.manifolds.size(); ++i) {
         const std::uint32_t m = island.manifolds[i];
-        const Manifold& manifold = world.contacts.manifolds[m];
+        const ContactManifold& manifold = world.contacts.manifolds[m];
         const ContactPair& pair = world.contacts.pairs[manifold.pair];
         const BodyState& a = world.bodies.states[pair.body_a.slot];
         const BodyState& b = world.bodies.states[pair.body_b.slot];
@@ -138,7 +138,7 @@ void fill_problem(const DirectWorld& world, const IslandLists& island, const Isl
         c.softness = stiffness.sag / (island.loads[i] * dt * slow);
         const double push_limit = std::min(step.max_push * extent_of(world.proxies, pair) / dt, stiffness.most_push);
         for (std::size_t k = 0; k < world.contacts.solved_points(m); ++k) {
-            const ContactPoint& point = manifold.points[k];
+            const ContactPoint& point = world.contacts.points[manifold.first_point + k];
             const dvec3 at = world.proxies.poses[pair.proxy_a()].position + dvec3{point.position};
             const auto separation = static_cast<double>(point.separation);
             c.arm_a = at - a.pose.position;
@@ -147,7 +147,7 @@ void fill_problem(const DirectWorld& world, const IslandLists& island, const Isl
             if (c.a == kNoBody) c.drift -= point_velocity(a, at);
             if (c.b == kNoBody) c.drift += point_velocity(b, at);
             c.bias = separation > 0.0 ? separation / dt : std::max(separation / slow, -push_limit);
-            const dvec3 friction = static_cast<double>(step.substeps) * dvec3{world.contacts.impulses[m][k].friction};
+            const dvec3 friction = static_cast<double>(step.substeps) * dvec3{world.contacts.impulses_of(m)[k].friction};
             c.friction_guess = friction - glm::dot(friction, c.normal) * c.normal;
             problem.contacts.push_back(c);
         }
@@ -159,7 +159,7 @@ void guess_impulses(const DirectWorld& world, std::span<const std::uint32_t> man
     for (const std::uint32_t m : manifolds) {
         for (std::size_t k = 0; k < world.contacts.solved_points(m); ++k) {
             DirectContact& c = problem.contacts[next++];
-            c.impulse = step.substeps * static_cast<double>(world.contacts.impulses[m][k].normal) * c.normal + c.friction_guess;
+            c.impulse = step.substeps * static_cast<double>(world.contacts.impulses_of(m)[k].normal) * c.normal + c.friction_guess;
         }
     }
 }
@@ -187,7 +187,7 @@ void apply_solution(const DirectProblem& problem, std::span<const std::uint32_t>
         for (std::size_t k = 0; k < world.contacts.solved_points(m); ++k) {
             const DirectContact& c = problem.contacts[next++];
             const double normal = glm::dot(c.impulse, c.normal);
-            world.contacts.impulses[m][k] = {static_cast<float>(share * normal), vec3{share * (c.impulse - normal * c.normal)}};
+            world.contacts.impulses_of(m)[k] = {static_cast<float>(share * normal), vec3{share * (c.impulse - normal * c.normal)}};
         }
     }
 }

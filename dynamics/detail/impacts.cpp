@@ -47,7 +47,7 @@ std::uint32_t Impacts::flyer_of(std::uint32_t slot, const BodyArrays& bodies) {
     return flyer_of_slot_[slot];
 }
 
-Impacts::Bouncer Impacts::make_bouncer(const Manifold& manifold, const ContactPair& pair, const ProxySet& proxies, const BodyArrays& bodies) {
+Impacts::Bouncer Impacts::make_bouncer(const ContactManifold& manifold, std::span<const ContactPoint> points, const ContactPair& pair, const ProxySet& proxies, const BodyArrays& bodies) {
     const Proxy& a = proxies.by_slot[pair.proxy_a()];
     const Proxy& b = proxies.by_slot[pair.proxy_b()];
     Bouncer bouncer;
@@ -60,14 +60,14 @@ Impacts::Bouncer Impacts::make_bouncer(const Manifold& manifold, const ContactPa
     bouncer.radius_b = radius_of(b.shape);
     bouncer.count = manifold.count;
     bouncer.two_spheres = bouncer.radius_a > 0.0 && bouncer.radius_b > 0.0;
-    bouncer.between = (bouncer.radius_a + bouncer.radius_b + static_cast<double>(manifold.points[0].separation)) * bouncer.normal;
+    bouncer.between = (bouncer.radius_a + bouncer.radius_b + static_cast<double>(points[0].separation)) * bouncer.normal;
     const dvec3& origin = proxies.poses[pair.proxy_a()].position;
     const dvec3 from_a = origin - flyers_[bouncer.a].center, from_b = origin - flyers_[bouncer.b].center;
     for (std::uint32_t k = 0; k < manifold.count; ++k) {
-        const dvec3 position{manifold.points[k].position};
+        const dvec3 position{points[k].position};
         bouncer.points[k].ra = from_a + position;
         bouncer.points[k].rb = from_b + position;
-        bouncer.points[k].gap = static_cast<double>(manifold.points[k].separation);
+        bouncer.points[k].gap = static_cast<double>(points[k].separation);
     }
     return bouncer;
 }
@@ -81,10 +81,10 @@ void Impacts::list(const ContactSet& contacts, const ProxySet& proxies, const Bo
         if (pair.passes || (proxies.bounces[pair.proxy_a()] | proxies.bounces[pair.proxy_b()]) == 0) continue;
         const ProxySurface &a = proxies.surfaces[pair.proxy_a()], &b = proxies.surfaces[pair.proxy_b()];
         for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
-            const Manifold& manifold = contacts.manifolds[m];
+            const ContactManifold& manifold = contacts.manifolds[m];
             const Surface met = combine(surface_of_part(a, manifold.part_a), surface_of_part(b, manifold.part_b));
             if (!(met.restitution > 0.0f)) continue;
-            Bouncer& bouncer = bouncers_.emplace_back(make_bouncer(manifold, pair, proxies, bodies));
+            Bouncer& bouncer = bouncers_.emplace_back(make_bouncer(manifold, contacts.points_of(manifold), pair, proxies, bodies));
             bouncer.restitution = static_cast<double>(met.restitution);
             bouncer.friction = static_cast<double>(met.friction);
         }
@@ -98,7 +98,7 @@ void Impacts::note_support(const ContactSet& contacts) noexcept {
         if (a == kNone && b == kNone) continue;
         bool pushes = false;
         for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
-            for (std::size_t k = 0; k < contacts.manifolds[m].count; ++k) pushes |= contacts.impulses[m][k].normal > 0.0f;
+            for (const PointImpulse& point : contacts.impulses_of(m)) pushes |= point.normal > 0.0f;
         }
         for (const std::uint32_t flyer : {a, b}) {
             if (pushes && flyer != kNone) flyers_[flyer].pull = dvec3{0.0};
@@ -266,7 +266,7 @@ void Impacts::mark_flying(ContactSet& contacts, const BodyArrays& bodies, std::s
         const ContactPair& pair = contacts.pairs[p];
         if (!pair.flies) continue;
         contacts.flying.push_back(p);
-        for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) contacts.impulses[m] = {};
+        contacts.clear_impulses(pair);
     }
 }
 

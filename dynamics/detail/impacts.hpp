@@ -101,7 +101,7 @@ private:
     };
 
     void list(const ContactSet& contacts, const ProxySet& proxies, const BodyArrays& bodies);
-    [[nodiscard]] Bouncer make_bouncer(const Manifold& manifold, const ContactPair& pair, const ProxySet& proxies, const BodyArrays& bodies);
+    [[nodiscard]] Bouncer make_bouncer(const ContactManifold& manifold, std::span<const ContactPoint> points, const ContactPair& pair, const ProxySet& proxies, const BodyArrays& bodies);
     std::uint32_t flyer_of(std::uint32_t slot, const BodyArrays& bodies);
     void note_support(const ContactSet& contacts) noexcept;
     void link_flyers();

@@ -9,8 +9,8 @@ namespace carom::dynamics {
 PairSweep::PairSweep(const ProxySet& proxies, const SweptPair& pair, RecordedPath& path_a, RecordedPath& path_b)
     : path_a_(path_a), path_b_(path_b) {
     const Proxy &a = proxies.by_slot[pair.a], &b = proxies.by_slot[pair.b];
-    a_ = {a.shape, a.local, a.reach};
-    b_ = {b.shape, b.local, b.reach};
+    a_ = {a.shape, a.local.get(), a.reach};
+    b_ = {b.shape, b.local.get(), b.reach};
     const double size = swept_size(proxies, pair);
     tolerance_ = kSweepToleranceShare * (size < std::numeric_limits<double>::infinity() ? size : a.reach);
     if (type_of(b.shape) == ShapeType::Plane) b_.still = kEverywhere;

@@ -31,10 +31,10 @@ struct TwoBodies {
 };
 
 /// How far any two points of a manifold are apart.
-double width_of(const Manifold& manifold) noexcept {
+double width_of(std::span<const ContactPoint> points) noexcept {
     float most = 0.0f;
-    for (const ContactPoint& p : manifold.used()) {
-        for (const ContactPoint& q : manifold.used()) most = std::max(most, glm::dot(p.position - q.position, p.position - q.position));
+    for (const ContactPoint& p : points) {
+        for (const ContactPoint& q : points) most = std::max(most, glm::dot(p.position - q.position, p.position - q.position));
     }
     return std::sqrt(static_cast<double>(most));
 }
@@ -45,16 +45,15 @@ struct Ahead {
     bool may_miss = false;  ///< some comes to its plane, after a way along it on which it may have left what it would meet
 };
 
-Ahead look_ahead(const Manifold& manifold, const dvec3& origin, const TwoBodies& two, double extent, double dt) noexcept {
+Ahead look_ahead(std::span<const ContactPoint> points, const dvec3& normal, const dvec3& origin, const TwoBodies& two, double extent, double dt) noexcept {
     Ahead ahead;
-    const dvec3 normal{manifold.normal};
-    for (const ContactPoint& point : manifold.used()) {
+    for (const ContactPoint& point : points) {
         const dvec3 at = origin + dvec3{point.position};
         const dvec3 v = point_velocity(two.b, at) - point_velocity(two.a, at) + dt * (two.pull_b - two.pull_a);
         const double approach = -glm::dot(v, normal), gap = static_cast<double>(point.separation);
         ahead.lies = ahead.lies || (gap <= two.fall && approach * dt <= kRestingSteps * two.fall);
         if (approach * dt <= gap) continue;
-        const double sure = manifold.count >= kLeastOfFace ? kSureOfFace * width_of(manifold) : kSureOfEdge * extent;
+        const double sure = points.size() >= kLeastOfFace ? kSureOfFace * width_of(points) : kSureOfEdge * extent;
         ahead.may_miss = ahead.may_miss || glm::length(v + approach * normal) * gap > sure * approach;
     }
     return ahead;
@@ -73,7 +72,7 @@ bool Passing::passes(const ContactPair& pair, const ContactSet& contacts, const 
     const double dt = motion.dt, extent = std::min(proxies.extents[pair.proxy_a()], proxies.extents[pair.proxy_b()]);
     bool may_miss = false;
     for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
-        const Ahead ahead = look_ahead(contacts.manifolds[m], proxies.poses[pair.proxy_a()].position, two, extent, dt);
+        const Ahead ahead = look_ahead(contacts.points_of(contacts.manifolds[m]), dvec3{contacts.manifolds[m].normal}, proxies.poses[pair.proxy_a()].position, two, extent, dt);
         if (ahead.lies) return false;
         may_miss = may_miss || ahead.may_miss;
     }
@@ -102,7 +101,7 @@ void Passing::find(ContactSet& contacts, const ContactChanges* changes, const Pr
         for (std::size_t i = begin; i < end; ++i) {
             ContactPair& pair = contacts.pairs[found_[i]];
             pair.passes = passes(pair, contacts, proxies, bodies, motion);
-            for (std::uint32_t m = pair.first_manifold; pair.passes && m < pair.first_manifold + pair.manifold_count; ++m) contacts.impulses[m] = {};
+            if (pair.passes) contacts.clear_impulses(pair);
         }
     });
     std::erase_if(found_, [&](std::uint32_t p) { return !contacts.pairs[p].passes; });

@@ -34,7 +34,7 @@ Motion motion_of(const BodyArrays& bodies, std::size_t slot, const Motion& motio
 /// @param slack  all round: of what has room, its room, and there is no path.
 void sweep_one(ProxySet& set, std::uint32_t i, const BodyState& state, bool is_static, double dt, double slack) {
     const Proxy& proxy = set.by_slot[i];
-    set.poses[i] = state.pose * proxy.local;
+    set.poses[i] = state.pose * proxy.local.get();
     const Aabb box = bounds(proxy.shape, set.poses[i]);
     const dvec3 path = set.anchors[i].room >= 0.0 ? dvec3{0.0} : state.velocity * dt;
     const Aabb moved{box.lower + glm::min(path, dvec3{0.0}), box.upper + glm::max(path, dvec3{0.0})};
@@ -107,7 +107,7 @@ bool stays(ProxySet& set, std::uint32_t i, const BodyArrays& bodies, const Motio
     const double drift = glm::length(state.pose.position - anchor.position) + turning_reach(set, bodies, i) * chord;
     const double way = speed_of(set, bodies, i) * motion.dt, pull = pull_of(motion_of(bodies, body, motion));
     if (!(drift + way <= anchor.room && pull <= anchor.pull && way <= most_way(pull, rule))) return false;
-    set.poses[i] = state.pose * set.by_slot[i].local;
+    set.poses[i] = state.pose * set.by_slot[i].local.get();
     set.drift[i] = drift;
     set.stay[i] = anchor.room + drift;
     set.motion[i] = set.stay[i] + anchor.pull;
@@ -139,8 +139,8 @@ double room_for(const ProxySet& set, const BodyArrays& bodies, std::uint32_t i, 
 bool is_round(const Proxy& proxy) {
     const ShapeType type = type_of(proxy.shape);
     if (type != ShapeType::Capsule && type != ShapeType::Cylinder && type != ShapeType::Cone) return false;
-    const dvec3 axis = rotate(proxy.local.orientation, dvec3{0.0, 1.0, 0.0});
-    return glm::length(glm::cross(axis, proxy.local.position)) <= 1e-9 * proxy.reach;
+    const dvec3 axis = rotate(proxy.local.get().orientation, dvec3{0.0, 1.0, 0.0});
+    return glm::length(glm::cross(axis, proxy.local.get().position)) <= 1e-9 * proxy.reach;
 }
 
 void list_rollers(ProxySet& set, const BodyArrays& bodies) {
@@ -201,7 +201,7 @@ void put_proxy(ProxySet& set, NewProxy proxy, const ProxyFilter& filter) {
     set.boxlike[slot] = type_of(proxy.shape) == ShapeType::Box ? 1 : 0;
     set.bounces[slot] = bounces(proxy.shape, proxy.surface.restitution) ? 1 : 0;
     set.bodies[slot] = proxy.owner.slot;
-    const bool is_ball = type_of(proxy.shape) == ShapeType::Sphere && proxy.local.position == dvec3{0.0};
+    const bool is_ball = type_of(proxy.shape) == ShapeType::Sphere && proxy.local.get().position == dvec3{0.0};
     set.surfaces[slot] = {proxy.surface, compound_of(proxy.shape), is_ball};
     set.owners[slot] = {proxy.id, proxy.owner};
     set.extents[slot] = proxy.extent;
@@ -264,13 +264,13 @@ void update_swept_bounds(ProxySet& set, const BodyArrays& bodies, const Motion& 
                 sweep_one(set, i, state, is_static, motion.dt, calms ? room + pull : play(proxy, state, pull, motion.dt));
                 continue;
             }
-            boxes[count++] = {&state, &proxy.local, box->half_extents, proxy.reach, calms ? room + pull : pull, calms, &set.poses[i], &set.boxes[i], &set.motion[i]};
+            boxes[count++] = {&state, &proxy.local.get(), box->half_extents, proxy.reach, calms ? room + pull : pull, calms, &set.poses[i], &set.boxes[i], &set.motion[i]};
             if (count == boxes.size()) sweep_boxes({boxes.data(), std::exchange(count, 0u)}, motion.dt, set.origin);
         }
         sweep_boxes({boxes.data(), count}, motion.dt, set.origin);
     });
     for (const std::uint32_t p : set.planes) {
-        set.poses[p] = bodies.states[set.bodies[p]].pose * set.by_slot[p].local;
+        set.poses[p] = bodies.states[set.bodies[p]].pose * set.by_slot[p].local.get();
         set.stale[p] = 0;
     }
 }
@@ -294,7 +294,9 @@ void note_listed(ProxySet& set) noexcept {
 }
 
 std::size_t ProxySet::memory() const noexcept {
-    return held_by(by_slot, kinds, filters, boxes, poses, shapes, bodies, surfaces, owners, extents, motion, stale, listed, versions, boxlike, bounces, firmness) +
+    std::size_t sum = 0;
+    for (const Proxy& proxy : by_slot) sum += proxy.local.memory();
+    return sum + held_by(by_slot, kinds, filters, boxes, poses, shapes, bodies, surfaces, owners, extents, motion, stale, listed, versions, boxlike, bounces, firmness) +
            held_by(anchors, calm, drift, stay, way, rollers, planes, moved, removed);
 }
 

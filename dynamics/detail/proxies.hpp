@@ -17,7 +17,9 @@
 
 #include <algorithm>
 #include <cstdint>
+#include <cstring>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <span>
 #include <vector>
@@ -43,9 +45,32 @@ enum class Role : unsigned char { Absent, Static, Kinematic, Dynamic, Asleep };
     return Role::Absent;
 }
 
+/// A pose that is mostly none: one that is takes no memory.
+class LocalPose {
+public:
+    LocalPose() = default;
+    explicit LocalPose(const Pose& pose) : pose_(std::memcmp(&pose, &kNone, sizeof(Pose)) == 0 ? nullptr : std::make_unique<const Pose>(pose)) {}
+    LocalPose(const LocalPose& other) : pose_(other.pose_ == nullptr ? nullptr : std::make_unique<const Pose>(*other.pose_)) {}
+    LocalPose(LocalPose&&) noexcept = default;
+    LocalPose& operator=(LocalPose other) noexcept {
+        pose_.swap(other.pose_);
+        return *this;
+    }
+    ~LocalPose() = default;
+
+    [[nodiscard]] const Pose& get() const noexcept { return pose_ == nullptr ? kNone : *pose_; }
+    /// [bytes], beside itself.
+    [[nodiscard]] std::size_t memory() const noexcept { return pose_ == nullptr ? 0 : sizeof(Pose); }
+
+private:
+    static_assert(sizeof(Pose) == 7 * sizeof(double), "no bytes that mean nothing: zeros of either sign are told apart");
+    static constexpr Pose kNone{};
+    std::unique_ptr<const Pose> pose_;
+};
+
 struct Proxy {
     Shape shape;                   ///< a copy, which stays valid whatever comes and goes; what is large in it is shared
-    Pose local{};                  ///< of the shape in its body's principal frame
+    LocalPose local;               ///< of the shape in its body's principal frame
     double reach = 0.0;            ///< farthest point from the centre of mass [m]
     Resistance resistance;
 };

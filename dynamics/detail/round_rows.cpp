@@ -21,7 +21,7 @@ void RoundRows::list(const ProxySet& proxies, const BodyArrays& bodies, std::spa
         if (glm::dot(state.spin, state.spin) * (dt * dt) < kSmallTurn * kSmallTurn) continue;
         Roller& roller = rollers_.emplace_back();
         roller.row = row;
-        roller.axis = rotate(state.pose.orientation, rotate(proxies.by_slot[slot].local.orientation, dvec3{0.0, 1.0, 0.0}));
+        roller.axis = rotate(state.pose.orientation, rotate(proxies.by_slot[slot].local.get().orientation, dvec3{0.0, 1.0, 0.0}));
         roller.turn[3] = 1.0f;
     }
 }

@@ -1,5 +1,6 @@
 #include <carom/dynamics/detail/sleep_contacts.hpp>
 
+#include <algorithm>
 #include <utility>
 
 namespace carom::dynamics {
@@ -11,9 +12,9 @@ void append(ContactSet& to, const ContactSet& from, const ContactPair& pair) {
     to.pairs.push_back(pair);
     to.pairs.back().first_manifold = first;
     for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
-        to.manifolds.push_back(from.manifolds[m]);
-        to.manifolds.back().pair = index;
-        to.impulses.push_back(from.impulses[m]);
+        const auto number = static_cast<std::uint32_t>(to.manifolds.size());
+        to.append(from.whole(m), index);
+        std::ranges::copy(from.impulses_of(m), to.impulses_of(number).begin());
     }
 }
 

@@ -19,7 +19,7 @@ bool moves_others(const BodyArrays& bodies, std::uint32_t slot) noexcept {
 
 bool pushes(const ContactPair& pair, const ContactSet& contacts) noexcept {
     for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
-        for (const PointImpulse& impulse : contacts.impulses[m]) {
+        for (const PointImpulse& impulse : contacts.impulses_of(m)) {
             if (impulse.normal > 0.0f) return true;
         }
     }
@@ -86,7 +86,7 @@ void Sleepers::wake_near(const ProxySet& proxies, std::uint32_t proxy, double dt
     if (proxies.kinds[proxy] == ProxyKind::None) return;
     const Proxy& other = proxies.by_slot[proxy];
     const BodyState& owner = bodies.states[proxies.bodies[proxy]];
-    const Pose pose = owner.pose * other.local;
+    const Pose pose = owner.pose * other.local.get();
     const bool is_plane = proxies.kinds[proxy] == ProxyKind::Plane;
     const Aabb box = is_plane ? Aabb{} : bounds(other.shape, pose);
     const dvec3 normal = is_plane ? rotate(pose.orientation, dvec3{std::get<Plane>(other.shape).normal}) : dvec3{0.0};
@@ -226,9 +226,7 @@ bool Sleepers::take_islands(const SleepScene& scene, std::uint32_t first_root, s
 
 void Sleepers::scale_impulses(float scale) noexcept {
     if (scale == 1.0f) return;
-    for (ManifoldImpulses& impulses : asleep_.impulses) {
-        for (PointImpulse& impulse : impulses) impulse = {scale * impulse.normal, scale * impulse.friction};
-    }
+    for (PointImpulse& impulse : asleep_.impulses) impulse = {scale * impulse.normal, scale * impulse.friction};
 }
 
 std::size_t Sleepers::take_fallen() noexcept { return std::exchange(fallen_, 0u); }

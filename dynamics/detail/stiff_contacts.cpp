@@ -19,10 +19,10 @@ struct Bearing {
 };
 
 /// Who rests on whom, where they touch or will by the end of a step's fall.
-Bearing bearing_of(const Manifold& manifold, const ContactPair& pair, const dvec3& down, double reach) {
-    float nearest = manifold.points[0].separation;
-    for (const ContactPoint& point : manifold.used()) nearest = std::min(nearest, point.separation);
-    const double along = glm::dot(dvec3{manifold.normal}, down);  // the normal goes from A to B
+Bearing bearing_of(std::span<const ContactPoint> points, const vec3& normal, const ContactPair& pair, const dvec3& down, double reach) {
+    float nearest = points[0].separation;
+    for (const ContactPoint& point : points) nearest = std::min(nearest, point.separation);
+    const double along = glm::dot(dvec3{normal}, down);  // the normal goes from A to B
     if (std::abs(along) < kBearing || static_cast<double>(nearest) > reach) return {};
     return along < 0.0 ? Bearing{true, pair.body_b.slot, pair.body_a.slot} : Bearing{true, pair.body_a.slot, pair.body_b.slot};
 }
@@ -58,7 +58,7 @@ bool StiffContacts::look(const ContactSet& contacts, const ProxySet& proxies, co
         if (contacts.manifolds[m].pair == kNoPair) continue;
         const ContactPair& pair = contacts.pairs[contacts.manifolds[m].pair];
         float impulse = 0.0f;
-        for (std::size_t k = 0; k < contacts.manifolds[m].count; ++k) impulse += contacts.impulses[m][k].normal;
+        for (const PointImpulse& point : contacts.impulses_of(static_cast<std::uint32_t>(m))) impulse += point.normal;
         const double measured = static_cast<double>(impulse) / law.substep;
         const bool kept = (keep[pair.body_a.slot] | keep[pair.body_b.slot]) != 0;
         loads_[m] = std::max(kEstimateShare * loads_[m], measured);
@@ -73,8 +73,8 @@ void StiffContacts::add_up_weights(const ContactSet& contacts, const BodyArrays&
     const dvec3 down = law.gravity / pull;
     const double reach = pull * law.dt * law.dt;
     const auto bearing = [&](std::uint32_t m) {
-        const std::uint32_t pair = contacts.manifolds[m].pair;
-        return pair == kNoPair ? Bearing{} : bearing_of(contacts.manifolds[m], contacts.pairs[pair], down, reach);
+        const ContactManifold& manifold = contacts.manifolds[m];
+        return manifold.pair == kNoPair ? Bearing{} : bearing_of(contacts.points_of(manifold), manifold.normal, contacts.pairs[manifold.pair], down, reach);
     };
     const auto count = static_cast<std::uint32_t>(contacts.manifolds.size());
     const std::size_t slots = bodies.roles.size();
@@ -98,8 +98,8 @@ void StiffContacts::add_up_weights(const ContactSet& contacts, const BodyArrays&
         falling[resting++] = slot;
     }
     keys = keys.first(resting), falling = falling.first(resting);
-    sorts_.note();
     radix_sort(keys, falling, scratch_);
+    drop(scratch_.keys, scratch_.payload);  // few steps sort
     for (const std::uint32_t slot : falling) {
         const std::uint32_t begin = first_below[slot], end = first_below[slot + 1];
         const double part = (borne[slot] + pull * bodies.masses[slot].mass) / (end - begin);

@@ -47,10 +47,6 @@ public:
     [[nodiscard]] std::span<const double> loads() const noexcept { return loads_; }
     /// Gives marks and loads back to the pool.
     void release() noexcept { loads_ = {}, marks_ = {}, memory_.release(); }
-    /// Gives back what sorts bodies: few steps do.
-    void trim() noexcept {
-        if (sorts_.take_seldom()) drop(scratch_.keys, scratch_.payload);
-    }
     [[nodiscard]] std::size_t memory() const noexcept { return held_by(scratch_.keys, scratch_.payload); }
 
 private:
@@ -61,7 +57,6 @@ private:
     std::span<unsigned char> marks_;
     std::size_t manifolds_before_ = 0;
     RadixScratch scratch_;
-    Uses sorts_;
 };
 
 }  // namespace carom::dynamics

@@ -23,10 +23,10 @@ bool ball_is_inside(double radius, const dvec3& end, const dvec3& origin, const 
 bool strays(const ProxySet& proxies, std::uint32_t proxy, const BodyWay& step) {
     const Proxy& p = proxies.by_slot[proxy];
     const double turn = step.to.spin == dvec3{0.0} ? 0.0 : std::min(glm::length(step.to.spin) * step.dt, 2.0);
-    const bool is_ball = type_of(p.shape) == ShapeType::Sphere && p.local.position == dvec3{0.0};
-    Aabb ends = bounds(p.shape, is_ball ? step.to.pose : step.to.pose * p.local);
+    const bool is_ball = type_of(p.shape) == ShapeType::Sphere && p.local.get().position == dvec3{0.0};
+    Aabb ends = bounds(p.shape, is_ball ? step.to.pose : step.to.pose * p.local.get());
     // Without a turn there is no bend, and the box of the start is in the one that the broadphase made of it.
-    if (turn != 0.0) ends = inflate(merge(bounds(p.shape, step.from * p.local), ends), 0.5 * p.reach * turn * turn);
+    if (turn != 0.0) ends = inflate(merge(bounds(p.shape, step.from * p.local.get()), ends), 0.5 * p.reach * turn * turn);
     return is_beyond(ends, proxies.origin, proxies.boxes[proxy]);
 }
 

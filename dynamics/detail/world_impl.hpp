@@ -46,7 +46,7 @@ struct BodyRecord {
 struct ShapeRecord {
     BodyId body;
     Shape shape;
-    ShapeDef def;
+    std::shared_ptr<const ShapeDef> def;  ///< shared with those that came right before and after, where they are alike
 };
 
 /// The last pose of a body from which a step could go on, and its velocity there; where there was none, the origin.
@@ -159,6 +159,8 @@ struct World::Impl {
     void integrate_free_bodies(bool contacts_found, double dt);
     void drop_parted();
     void forget_pushes();
+    /// The same for all that are alike and come one after the other.
+    [[nodiscard]] std::shared_ptr<const ShapeDef> shared_def(const ShapeDef& kept);
     /// The mass of a body's shapes and of one more.
     [[nodiscard]] MassProperties mass_with(const dynamics::BodyRecord& record, const MassProperties& added) const;
     /// Sets the mass and keeps the origin and the motion of the body's points where they are.
@@ -185,6 +187,7 @@ struct World::Impl {
     void note_moved_contacts();
     void take_over_contacts(dynamics::Step& step);
     void trim_lists();
+    CollideCounts collide_again(const PlacedShapes& placed);
     void find_contacts(dynamics::Step& step, const dynamics::Motion& motion);
     [[nodiscard]] dynamics::CalmRule calm_rule() const;
     [[nodiscard]] bool choose_looked(double dt);
@@ -216,6 +219,7 @@ struct World::Impl {
     std::vector<BodyId> body_order;
     dynamics::BodyArrays arrays;
     SlotMap<dynamics::ShapeRecord, ShapeId> shapes;
+    std::shared_ptr<const ShapeDef> last_def;  // of the shape that came last
 
     dynamics::Census census;
     dynamics::ProxySet proxies;
@@ -228,6 +232,7 @@ struct World::Impl {
     dynamics::ScratchList<NumberedPair> candidates{scratch};  // until contacts are found; those that are looked at where the others are kept
     dynamics::CarriedContacts previous{scratch};  // of the step before, while those of this one are found
     std::vector<Manifold> last_manifolds;  // of the step before, where pairs of it may be carried along; else empty
+    std::vector<Manifold> found_manifolds;  // while they are found; else anything
     dynamics::ContactChanges contact_changes;
     bool contacts_hold = false;   // those of the last step, but for what its motion changed
     bool contacts_held = false;   // so it was when this step began

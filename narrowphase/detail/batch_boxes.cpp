@@ -9,7 +9,7 @@
 namespace carom::detail {
 
 bool are_few_boxes(const BatchInput& input) noexcept {
-    if (input.pairs.size() > kBoxBlock) return false;
+    if (input.pairs.size() > kFewBoxes) return false;
     return std::ranges::all_of(
         input.pairs, [shapes = input.placed.shapes.data(), count = input.placed.shapes.size()](const NumberedPair& pair) {
             if (!is_plain(pair, count)) return false;
@@ -23,13 +23,12 @@ bool are_boxes(std::span<const std::uint16_t> kinds) noexcept {
     return std::ranges::all_of(kinds, [](std::size_t kind) { return kind == kind_of(kBox, kBox); });
 }
 
-// Of a block from pair `begin` on.
-bool BoxBatch::find(const BatchInput& input, std::size_t begin, ManifoldList& found) {
-    if (order_.empty() || order_.front() != begin) {
-        order_.resize(kBoxBlock);
+// Of `count` pairs from `begin` on.
+bool BoxBatch::find(const BatchInput& input, std::size_t begin, std::size_t count, ManifoldList& found) {
+    if (order_.size() < count || (count > 0 && order_.front() != begin)) {
+        order_.resize(count);
         std::iota(order_.begin(), order_.end(), static_cast<std::uint32_t>(begin));
     }
-    const std::size_t count = std::min(kBoxBlock, input.pairs.size() - begin);
     return box_box_proving(input, std::span(order_).first(count), thread_workspace(), found);
 }
 
@@ -45,21 +44,22 @@ void BoxBatch::give(std::size_t begin, std::size_t end, TakeManifolds take) cons
 
 bool BoxBatch::find(const BatchInput& input) {
     found_.clear();
-    return find(input, 0, found_);
+    return find(input, 0, input.pairs.size(), found_);
 }
 
 void BoxBatch::find(const BatchInput& input, std::vector<Manifold>& out) {
     ManifoldList list;
     list.exchange(out);
-    for (std::size_t begin = 0; begin < input.pairs.size(); begin += kBoxBlock) find(input, begin, list);
+    for (std::size_t begin = 0; begin < input.pairs.size(); begin += kBoxBlock) find(input, begin, std::min(kBoxBlock, input.pairs.size() - begin), list);
     list.exchange(out);
 }
 
 void BoxBatch::find(const BatchInput& input, TakeManifolds take) {
     for (std::size_t begin = 0; begin < input.pairs.size(); begin += kBoxBlock) {
+        const std::size_t count = std::min(kBoxBlock, input.pairs.size() - begin);
         found_.clear();
-        find(input, begin, found_);
-        give(begin, std::min(input.pairs.size(), begin + kBoxBlock), take);
+        find(input, begin, count, found_);
+        give(begin, begin + count, take);
     }
 }
 

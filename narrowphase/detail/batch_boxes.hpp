@@ -13,10 +13,10 @@
 
 namespace carom::detail {
 
-/// Pairs that are worked on together: the manifolds of no more are held where they go to a function.
-inline constexpr std::size_t kBoxBlock = 1024;
+/// Pairs that are worked on together: the manifolds of no more are held where they go to a function, but for those of few pairs.
+inline constexpr std::size_t kBoxBlock = 256, kFewBoxes = 1024;
 
-/// @return whether the pairs are plain, of boxes alone, and kBoxBlock at most: they may be found before anything else is looked at.
+/// @return whether the pairs are plain, of boxes alone, and kFewBoxes at most: they may be found before anything else is looked at.
 [[nodiscard]] bool are_few_boxes(const BatchInput& input) noexcept;
 /// @return whether all pairs are of two boxes.
 [[nodiscard]] bool are_boxes(std::span<const std::uint16_t> kinds) noexcept;
@@ -34,7 +34,7 @@ public:
     void find(const BatchInput& input, TakeManifolds take);
 
 private:
-    bool find(const BatchInput& input, std::size_t begin, ManifoldList& found);
+    bool find(const BatchInput& input, std::size_t begin, std::size_t count, ManifoldList& found);
     void give(std::size_t begin, std::size_t end, TakeManifolds take) const;
 
     std::vector<std::uint32_t> order_;  // numbers of a block's pairs, as they come: those of the last one stay

@@ -47,9 +47,9 @@ ContactForces contact_forces(const World& world, double dt) {
     for (std::size_t i = 0; i < world.contact_count(); ++i) {
         const ContactView view = world.contact(i);
         const Real friction = std::sqrt(static_cast<Real>(world.shape_def(view.shape_a).friction) * static_cast<Real>(world.shape_def(view.shape_b).friction));
-        for (std::size_t k = 0; k < view.manifold->count; ++k) {
-            const Vector normal = widened(dvec3{view.manifold->normal}), slide = widened(dvec3{view.friction_impulse[k]});
-            const Vector at = widened(view.origin + dvec3{view.manifold->points[k].position});
+        for (std::size_t k = 0; k < view.manifold.count; ++k) {
+            const Vector normal = widened(dvec3{view.manifold.normal}), slide = widened(dvec3{view.friction_impulse[k]});
+            const Vector at = widened(view.origin + dvec3{view.manifold.points[k].position});
             const auto press = static_cast<Real>(view.normal_impulse[k]);
             largest = std::max(largest, press), negative = std::max(negative, -press), excess = std::max(excess, length(slide) - friction * press);
             Vector force{};

@@ -58,7 +58,8 @@ Expected contents(const ContactSet& set, const ContactPair& pair) {
     Expected out;
     for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
         out.emplace_back();
-        for (std::uint32_t k = 0; k < set.manifolds[m].count; ++k) out.back().emplace_back(set.manifolds[m].points[k].feature, set.impulses[m][k].normal);
+        const std::span<const ContactPoint> points = set.points_of(set.manifolds[m]);
+        for (std::size_t k = 0; k < points.size(); ++k) out.back().emplace_back(points[k].feature, set.impulses_of(m)[k].normal);
     }
     return out;
 }
@@ -69,6 +70,7 @@ TEST(ContactPatch, IsTheSetThatIsMadeAnew) {
     for (int world = 0; world < 20; ++world) {
         ContactSet set;
         ContactChanges changes;
+        std::size_t most_unused = 0;
         std::map<std::uint64_t, Expected> expected;
         for (int step = 0; step < 30; ++step) {
             std::vector<ContactPair> looked;
@@ -106,9 +108,9 @@ TEST(ContactPatch, IsTheSetThatIsMadeAnew) {
                 for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
                     ASSERT_EQ(set.manifolds[m].pair, i);
                     ASSERT_EQ(set.manifold_number(in_use++), m);
-                    for (const ContactPoint& point : set.manifolds[m].used()) deepest = std::max(deepest, -static_cast<double>(point.separation));
+                    for (const ContactPoint& point : set.points_of(set.manifolds[m])) deepest = std::max(deepest, -static_cast<double>(point.separation));
                     for (std::uint32_t k = 0; k < set.manifolds[m].count; ++k) {
-                        if (set.impulses[m][k].normal == 0.0f) set.impulses[m][k].normal = static_cast<float>(random.range(0.1, 1.0));
+                        if (set.impulses_of(m)[k].normal == 0.0f) set.impulses_of(m)[k].normal = static_cast<float>(random.range(0.1, 1.0));
                     }
                 }
                 expected[key] = contents(set, pair);
@@ -120,6 +122,17 @@ TEST(ContactPatch, IsTheSetThatIsMadeAnew) {
                 ++i;
             }
             ASSERT_EQ(set.manifold_count(), in_use);
+            // Each has its own points, and few are nobody's.
+            std::vector<int> owners(set.points.size(), 0);
+            for (const ContactManifold& m : set.manifolds) {
+                ASSERT_LE(m.count, m.room);
+                for (std::uint32_t k = 0; k < m.room; ++k) ++owners.at(m.first_point + k);
+            }
+            ASSERT_EQ(set.impulses.size(), set.points.size());
+            ASSERT_LE(std::ranges::count_if(owners, [](int n) { return n > 1; }), 0);
+            ASSERT_EQ(static_cast<std::size_t>(std::ranges::count(owners, 0)), set.unused_points);
+            EXPECT_LE(set.unused_points, 64 + set.points.size() / 16);
+            most_unused = std::max(most_unused, set.unused_points);
             EXPECT_EQ(set.summary.max_penetration, deepest);
             const std::set<std::uint32_t> removed(changes.removed.begin(), changes.removed.end()), added(changes.added.begin(), changes.added.end());
             for (const std::uint32_t m : removed) ASSERT_EQ(set.manifolds[m].pair, kNoPair);
@@ -127,6 +140,7 @@ TEST(ContactPatch, IsTheSetThatIsMadeAnew) {
             for (const std::uint32_t m : changes.replaced) ASSERT_FALSE(removed.contains(m) || added.contains(m));
         }
         EXPECT_GT(set.manifolds.size(), set.manifold_count()) << "some are unused";
+        EXPECT_GT(most_unused, 32u) << "and so are points, until they close up";
     }
 }
 

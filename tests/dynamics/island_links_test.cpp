@@ -27,7 +27,7 @@ Graph random_graph(std::uint64_t seed, std::uint32_t bodies, int pairs) {
         ContactPair pair;
         pair.body_a.slot = a;
         pair.body_b.slot = b;
-        Manifold manifold;
+        ContactManifold manifold;
         manifold.pair = static_cast<std::uint32_t>(g.contacts.pairs.size());
         manifold.count = 1;
         g.contacts.pairs.push_back(pair);

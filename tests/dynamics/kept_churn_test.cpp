@@ -201,7 +201,7 @@ TEST(KeptChurn, NoContactIsLeftOfNothing) {
         const StepReport report = table.world.step(kDt);
         EXPECT_EQ(report.manifolds, report.contacts) << i;
         EXPECT_EQ(table.world.contact_count(), report.manifolds) << i;
-        for (std::size_t k = 0; k < table.world.contact_count(); ++k) EXPECT_EQ(table.world.contact(k).manifold->count, 1u);
+        for (std::size_t k = 0; k < table.world.contact_count(); ++k) EXPECT_EQ(table.world.contact(k).manifold.count, 1u);
     }
     EXPECT_EQ(table.world.contact_count(), 0u);
 }

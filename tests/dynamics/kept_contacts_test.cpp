@@ -114,8 +114,8 @@ TEST(KeptContacts, AreListedInTheOrderOfTheirShapesAndAreNeverEmpty) {
         std::pair<std::uint32_t, std::uint32_t> last{0, 0};
         for (std::size_t c = 0; c < table.world.contact_count(); ++c) {
             const ContactView view = table.world.contact(c);
-            ASSERT_GT(view.manifold->count, 0u);
-            points += view.manifold->count;
+            ASSERT_GT(view.manifold.count, 0u);
+            points += view.manifold.count;
             const auto plane_last = [&](ShapeId id) { return id == table.ground_shape ? id.slot | 0x80000000u : id.slot; };
             const std::pair<std::uint32_t, std::uint32_t> now{view.shape_a.slot, plane_last(view.shape_b)};
             ASSERT_LT(last, now);

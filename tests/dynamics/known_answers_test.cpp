@@ -21,7 +21,7 @@ TEST(KnownAnswers, BoxComesToRestOnThePlane) {
     EXPECT_LT(glm::length(table.world.linear_velocity(box)), 1e-5);
     ASSERT_EQ(table.world.contact_count(), 1u);
     const ContactView contact = table.world.contact(0);
-    EXPECT_EQ(contact.manifold->count, 4u);
+    EXPECT_EQ(contact.manifold.count, 4u);
     double force = 0.0;
     for (int k = 0; k < 4; ++k) force += static_cast<double>(contact.normal_impulse[static_cast<std::size_t>(k)]);
     // impulses are of one substep

@@ -25,7 +25,7 @@ double weight_on(const World& world) {
     double impulse = 0.0;
     for (std::size_t c = 0; c < world.contact_count(); ++c) {
         const ContactView contact = world.contact(c);
-        for (std::uint32_t k = 0; k < contact.manifold->count; ++k) impulse += static_cast<double>(contact.normal_impulse[k]);
+        for (std::uint32_t k = 0; k < contact.manifold.count; ++k) impulse += static_cast<double>(contact.normal_impulse[k]);
     }
     return impulse * 60.0 * world.settings().substeps;  // impulses are of one substep
 }

@@ -152,7 +152,7 @@ TEST(Passing, WhatPassesHasNoImpulse) {
     const auto impulse = [&] {
         const ContactView view = world.contact(0);
         float sum = 0.0f;
-        for (std::size_t k = 0; k < view.manifold->count; ++k) sum += view.normal_impulse[k];
+        for (std::size_t k = 0; k < view.manifold.count; ++k) sum += view.normal_impulse[k];
         return sum;
     };
     ASSERT_EQ(world.step(kDt).passing, 0u);

@@ -243,8 +243,8 @@ std::vector<Touch> touches(const World& world) {
     for (std::size_t i = 0; i < world.contact_count(); ++i) {
         const ContactView view = world.contact(i);
         float deepest = INFINITY;
-        for (const ContactPoint& p : view.manifold->used()) deepest = std::min(deepest, p.separation);
-        all.push_back({index(view.body_a), index(view.body_b), view.manifold->count, deepest});
+        for (const ContactPoint& p : view.manifold.used()) deepest = std::min(deepest, p.separation);
+        all.push_back({index(view.body_a), index(view.body_b), view.manifold.count, deepest});
     }
     return all;
 }

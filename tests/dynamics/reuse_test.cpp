@@ -45,7 +45,7 @@ TEST(ContactReuse, AnotherShapeAtTheSamePlaceHasItsOwnContacts) {
     world.add_shape(body, Box{{0.5f, 0.5f, 0.5f}});
     const auto points = [&] {
         world.step(kDt);
-        return world.contact_count() == 1 ? world.contact(0).manifold->count : 0u;
+        return world.contact_count() == 1 ? world.contact(0).manifold.count : 0u;
     };
     EXPECT_EQ(points(), 4u);
     world.destroy_body(body);

@@ -130,9 +130,9 @@ Slid slide_in_world(const dvec2& velocity, double spin) {
         world.step(kH);
         if (i == 1) {
             const ContactView contact = world.contact(0);
-            EXPECT_EQ(contact.manifold->count, 4u);
+            EXPECT_EQ(contact.manifold.count, 4u);
             const dvec3 r =
-                rotate(glm::conjugate(start.orientation), contact.origin + dvec3{contact.manifold->points[0].position} - start.position);
+                rotate(glm::conjugate(start.orientation), contact.origin + dvec3{contact.manifold.points[0].position} - start.position);
             slid.first_angle = std::atan2(r.z, r.x);
         }
         const dvec3 v = world.linear_velocity(disc), w = world.angular_velocity(disc);

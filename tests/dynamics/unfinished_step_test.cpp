@@ -44,8 +44,8 @@ void expect_whole(const World& world) {
     for (std::size_t i = 0; i < world.contact_count(); ++i) {
         const ContactView view = world.contact(i);
         ASSERT_TRUE(world.is_alive(view.body_a) && world.is_alive(view.body_b));
-        ASSERT_GE(view.manifold->count, 1u);
-        ASSERT_LE(view.manifold->count, static_cast<std::uint32_t>(kMaxManifoldPoints));
+        ASSERT_GE(view.manifold.count, 1u);
+        ASSERT_LE(view.manifold.count, static_cast<std::uint32_t>(kMaxManifoldPoints));
     }
     const std::span<const BodyId> bodies = world.bodies();
     EXPECT_FALSE(world.explain(bodies[1], bodies[2]).sentence.empty());

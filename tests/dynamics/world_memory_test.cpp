@@ -75,5 +75,40 @@ TEST(WorldMemory, IsOfTheirParts) {
                                    stepped.scratch + stepped.other);
 }
 
+// Definitions are kept once for all that are alike and come one after the other, and a pose in the body where there is one.
+TEST(WorldMemory, ShapesThatAreAlikeShareTheirDefinition) {
+    const auto held_by_shapes = [](int kinds, double aside) {
+        Table table;
+        for (int i = 0; i < 200; ++i) {
+            const ShapeDef def{.friction = 0.1f * static_cast<float>(1 + i % kinds), .local = {.position = {0.0, aside, 0.0}}};
+            const BodyId body = table.add({.position = {2.0 * i, 0.5, 0}}, kCrate, def);
+            const ShapeId shape = table.world.shapes(body).front();
+            EXPECT_EQ(table.world.shape_def(shape), def);
+            EXPECT_NEAR(table.world.shape_pose(shape).position.y, 0.5 + aside, 1e-12);
+        }
+        for (int i = 0; i < 200; ++i) {
+            const ShapeId shape = table.world.shapes(table.world.bodies()[static_cast<std::size_t>(1 + i)]).front();
+            EXPECT_EQ(table.world.shape_def(shape).friction, 0.1f * static_cast<float>(1 + i % kinds)) << "whatever came later";
+        }
+        return table.world.memory().shapes;
+    };
+    const std::size_t alike = held_by_shapes(1, 0.0);
+    EXPECT_GE(held_by_shapes(2, 0.0), alike + 199 * sizeof(ShapeDef));
+    // The principal frame goes aside with the only shape.
+    EXPECT_EQ(held_by_shapes(1, 0.25), alike);
+}
+
+TEST(WorldMemory, AShapeBesideItsBodysMiddleHasAPoseOfItsOwn) {
+    const auto held_by_shapes = [](double aside) {
+        Table table;
+        for (int i = 0; i < 200; ++i) {
+            const BodyId body = table.add({.position = {4.0 * i, 0.5, 0}}, kCrate, {.friction = 0.25f});  // no two that follow each other are alike
+            table.world.add_shape(body, kCrate, {.friction = 0.5f, .local = {.position = {aside, 0.0, 0.0}}});
+        }
+        return table.world.memory().shapes;
+    };
+    EXPECT_EQ(held_by_shapes(0.5), held_by_shapes(0.0) + 2 * 200 * sizeof(Pose)) << "both of two";
+}
+
 }  // namespace
 }  // namespace carom

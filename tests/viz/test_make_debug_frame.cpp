@@ -99,7 +99,7 @@ TEST(MakeDebugFrame, ContactsNormalsAndImpulsesAreThoseOfTheLastStep) {
     for (int i = 0; i < 3; ++i) park.world.step(1.0 / 60.0);
     const DebugFrame frame = make_debug_frame(park.world, {.line_length = 0.25});
     std::size_t points = 0;
-    for (std::size_t i = 0; i < park.world.contact_count(); ++i) points += park.world.contact(i).manifold->count;
+    for (std::size_t i = 0; i < park.world.contact_count(); ++i) points += park.world.contact(i).manifold.count;
     ASSERT_EQ(points, 4u);  // the crate's lower face
     EXPECT_EQ(layer(frame, Layer::Contacts).points.size(), points);
     ASSERT_EQ(layer(frame, Layer::Normals).lines.size(), points);
