@@ -194,7 +194,7 @@ bool is_free(const Probe& probe, const Corners& corners, Workspace& workspace) {
 // The solid in whose place the mesh stands, if any (detail/solid_mesh.hpp).
 template <class Probe>
 const ConvexHull* solid_of(const PairFrame& pair, const Probe& probe) {
-    return solid_to(*as<TriangleMeshPtr>(pair.second), pair.to_second(probe.centre), [&](const dvec3& n) {
+    return solid_to(*as<TriangleMeshPtr>(pair.second), pair.to_second(probe.centre), glm::transpose(pair.rotation), [&](const dvec3& n) {
         const dvec3 in_first = pair.rotation * n;
         return probe.reach(in_first) - glm::dot(in_first, pair.translation);
     });
