@@ -37,6 +37,7 @@ struct Placed {
 struct Part {
     ConvexPiece piece;
     std::uint32_t number = 0;
+    dmat3 axes{1.0};  // of its own frame
 };
 
 /// The two pieces that come nearest.
@@ -56,12 +57,12 @@ bool is_solid(const Shape& shape) { return type_of(shape) == ShapeType::Compound
 
 std::vector<Part> parts_of(const Placed& placed) {
     const CompoundPtr* compound = std::get_if<CompoundPtr>(&placed.shape);
-    if (compound == nullptr) return {{detail::make_piece(placed.shape, placed.axes, placed.origin), 0}};
+    if (compound == nullptr) return {{detail::make_piece(placed.shape, placed.axes, placed.origin), 0, placed.axes}};
     std::vector<Part> parts;
     for (const CompoundPart& part : (*compound)->parts()) {
         const dmat3 axes = placed.axes * glm::mat3_cast(part.pose.orientation);
         const dvec3 origin = placed.origin + placed.axes * part.pose.position;
-        parts.push_back({detail::make_piece(part.shape, axes, origin), static_cast<std::uint32_t>(parts.size())});
+        parts.push_back({detail::make_piece(part.shape, axes, origin), static_cast<std::uint32_t>(parts.size()), axes});
     }
     return parts;
 }
@@ -175,7 +176,8 @@ void look_at_triangles(const Part& part, const Placed& mesh, double reach, const
 /// The solid in whose place the mesh stands before one part, if any.
 const ConvexHull* solid_before(const Part& part, const Placed& mesh) {
     const auto own = [&](const dvec3& p) { return (p - mesh.origin) * mesh.axes; };
-    return detail::solid_to(*std::get<TriangleMeshPtr>(mesh.shape), own(part.piece.centre()), [&](const dvec3& n) {
+    const dmat3 axes = glm::transpose(mesh.axes) * part.axes;
+    return detail::solid_to(*std::get<TriangleMeshPtr>(mesh.shape), own(part.piece.centre()), axes, [&](const dvec3& n) {
         const dvec3 direction = mesh.axes * n;
         return part.piece.reach(direction) - glm::dot(direction, mesh.origin);
     });

@@ -28,6 +28,7 @@ struct PolytopeProbe {
     Aabb box;  // of the polytope, in its own frame
     dvec3 centre{0.0};
 
+    [[nodiscard]] const Aabb& own() const noexcept { return box; }
     [[nodiscard]] double size() const noexcept { return polytope.size; }
     [[nodiscard]] double radius() const noexcept { return 0.0; }
     [[nodiscard]] double reach(const dvec3& n) const noexcept { return -lowest(polytope, -n).value; }
@@ -49,6 +50,10 @@ struct SegmentProbe {
     const RoundSegment& core;
     dvec3 centre{0.0};
 
+    [[nodiscard]] Aabb own() const noexcept {
+        const dvec3 half = glm::abs(core.segment.to) + dvec3{core.radius};
+        return {-half, half};
+    }
     [[nodiscard]] double size() const noexcept { return core.radius + std::abs(core.segment.to.y); }
     [[nodiscard]] double radius() const noexcept { return core.radius; }
     [[nodiscard]] double reach(const dvec3& n) const noexcept {
@@ -76,6 +81,7 @@ struct TurnedProbe {
     CollideStatus& status;
     dvec3 centre{0.0};
 
+    [[nodiscard]] const Aabb& own() const noexcept { return box; }
     [[nodiscard]] double size() const noexcept { return solid.size(); }
     [[nodiscard]] double radius() const noexcept { return 0.0; }
     [[nodiscard]] double reach(const dvec3& n) const noexcept { return solid.reach(n); }
@@ -194,7 +200,7 @@ bool is_free(const Probe& probe, const Corners& corners, Workspace& workspace) {
 // The solid in whose place the mesh stands, if any (detail/solid_mesh.hpp).
 template <class Probe>
 const ConvexHull* solid_of(const PairFrame& pair, const Probe& probe) {
-    return solid_to(*as<TriangleMeshPtr>(pair.second), pair.to_second(probe.centre), [&](const dvec3& n) {
+    return solid_to(*as<TriangleMeshPtr>(pair.second), pair.to_second(probe.centre), glm::transpose(pair.rotation), [&](const dvec3& n) {
         const dvec3 in_first = pair.rotation * n;
         return probe.reach(in_first) - glm::dot(in_first, pair.translation);
     });
@@ -204,9 +210,42 @@ bool reaches(const PairFrame& pair, const Aabb& bounds, const ConvexHull& solid)
     return overlaps(inflate(bounds, pair.margin), solid.local_bounds());
 }
 
+// Where the shape is as deep as this share of its size and of its least extent, the way out of the whole is looked for.
+constexpr double kDeepShare = 1.0 / 64.0;
+constexpr double kThinShare = 1.0 / 16.0;
+
+// Puts a way out of the whole in the place of all patches that are stand-ins or deeper.
 template <class Probe>
-void touch_surface(const PairFrame& pair, const Probe& probe, const Aabb& bounds, double same_normal, Workspace& workspace,
-                   ManifoldSink& sink) {
+CollideStatus look_for_a_way_out(const PairFrame& pair, const Probe& probe, const Aabb& bounds, Workspace& workspace) {
+    // What meets a convex solid's triangles is in that room, and a one-sided mesh leads to its front alone.
+    if (const TriangleMesh& mesh = *as<TriangleMeshPtr>(pair.second); mesh.solid() || mesh.is_one_sided()) return CollideStatus::Ok;
+    const Aabb& own = probe.own();
+    const dvec3 extent = own.upper - own.lower;
+    const double thin = std::min({extent.x, extent.y, extent.z}), tolerance = kPointTolerance * probe.size();
+    const double deep = std::min(kDeepShare * probe.size(), kThinShare * thin);
+    const auto reach = [&](const dvec3& n) { return probe.reach(n); };
+    const auto meets = [&](const Corners& corners, ContactAxis& axis) {
+        if (!load_triangle(workspace.second, corners) || !probe.axis(workspace.second, 0.0, workspace, axis)) return false;
+        axis.separation -= probe.radius();
+        return axis.separation < -tolerance;
+    };
+    MeshSurface& surface = workspace.surface;
+    ShapeWayOut::Way way;
+    switch (workspace.shape_ways.find(pair, bounds, surface, {own, probe.centre, thin, deep, tolerance, reach, meets}, way)) {
+        case ShapeWayOut::Verdict::Right:
+            return CollideStatus::Ok;
+        case ShapeWayOut::Verdict::None:
+            return CollideStatus::Undecided;
+        case ShapeWayOut::Verdict::Other:
+            break;
+    }
+    surface.replace_deeper(way.normal, way.depth, way.middle, deep);
+    return CollideStatus::Ok;
+}
+
+template <class Probe>
+CollideStatus touch_surface(const PairFrame& pair, const Probe& probe, const Aabb& bounds, double same_normal, Workspace& workspace,
+                            ManifoldSink& sink) {
     MeshSurface& surface = workspace.surface;
     const bool one_sided = as<TriangleMeshPtr>(pair.second)->is_one_sided();
     WayOut way_out;
@@ -226,8 +265,10 @@ void touch_surface(const PairFrame& pair, const Probe& probe, const Aabb& bounds
     });
     surface.drop_runaways(kPointTolerance * probe.size());
     if (way_out.found && !surface.touches()) surface.patches.push_back(patch_of(probe, way_out));
-    if (touches_back(pair, surface, probe.centre)) return;
+    if (touches_back(pair, surface, probe.centre)) return CollideStatus::Ok;
+    const CollideStatus status = look_for_a_way_out(pair, probe, bounds, workspace);
     surface.emit(same_normal, kPointTolerance * probe.size(), sink);
+    return status;
 }
 
 CollideStatus polytope_mesh(const PairFrame& pair, const Aabb& own, Workspace& workspace, ManifoldSink& sink) {
@@ -240,8 +281,7 @@ CollideStatus polytope_mesh(const PairFrame& pair, const Aabb& own, Workspace& w
         load_hull(workspace.second, *solid, pair.rotation, pair.translation);
         return touch_polytopes(pair.asked(), workspace, sink);
     }
-    touch_surface(pair, probe, bounds, kSameNormal, workspace, sink);
-    return CollideStatus::Ok;
+    return touch_surface(pair, probe, bounds, kSameNormal, workspace, sink);
 }
 
 }  // namespace
@@ -268,8 +308,7 @@ CollideStatus capsule_mesh(const PairFrame& pair, Workspace& workspace, Manifold
     if (const ConvexHull* const solid = solid_of(pair, probe)) {
         return reaches(pair, bounds, *solid) ? capsule_hull(pair, *solid, workspace, sink) : CollideStatus::Ok;
     }
-    touch_surface(pair, probe, bounds, kSameRoundNormal, workspace, sink);
-    return CollideStatus::Ok;
+    return touch_surface(pair, probe, bounds, kSameRoundNormal, workspace, sink);
 }
 
 CollideStatus turned_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
@@ -283,8 +322,7 @@ CollideStatus turned_mesh(const PairFrame& pair, Workspace& workspace, ManifoldS
     if (const ConvexHull* const hull = solid_of(pair, probe)) {
         return reaches(pair, bounds, *hull) ? turned_hull(pair, *hull, workspace, sink) : CollideStatus::Ok;
     }
-    touch_surface(pair, probe, bounds, kSameRoundNormal, workspace, sink);
-    return status;
+    return std::max(touch_surface(pair, probe, bounds, kSameRoundNormal, workspace, sink), status);
 }
 
 CollideStatus sphere_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {

@@ -197,6 +197,17 @@ void MeshSurface::drop_spared(double tolerance, FunctionRef<bool(const Corners&,
     }
 }
 
+void MeshSurface::replace_deeper(const dvec3& normal, double depth, const dvec3& middle, double deep) {
+    TrianglePatch whole;
+    whole.triangle = patches.front().triangle;
+    whole.patch.normal = normal;
+    whole.patch.add(middle, -depth, feature_name(FeatureKind::Edges, 0, 0));
+    std::erase_if(patches, [&](const TrianglePatch& p) {
+        return p.replaced || depth_of(p.patch) < -std::min(deep, depth) || glm::dot(p.patch.normal, normal) < 0.0;
+    });
+    patches.push_back(whole);
+}
+
 bool MeshSurface::touches() const noexcept {
     return std::ranges::any_of(patches, [](const TrianglePatch& p) { return depth_of(p.patch) <= 0.0; });
 }

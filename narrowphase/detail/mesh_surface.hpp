@@ -70,6 +70,10 @@ public:
     /// @param frees  whether the shape is free of the triangle, to `tolerance` [m], where the triangle is moved by `motion`.
     void drop_spared(double tolerance, FunctionRef<bool(const Corners& triangle, const dvec3& motion)> frees);
 
+    /// Puts one point in the place of all stand-ins, of what is deeper than it or than `deep` [m], and of what pushes against it.
+    /// @param normal  unit, from the shape to the surface. @param middle  of the places where the two meet.
+    void replace_deeper(const dvec3& normal, double depth, const dvec3& middle, double deep);
+
     /// @return whether a patch has a point that is not apart.
     [[nodiscard]] bool touches() const noexcept;
 

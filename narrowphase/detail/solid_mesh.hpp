@@ -1,6 +1,6 @@
 // When a mesh is met as the convex solid that it bounds.
 //
-//   if (const ConvexHull* solid = solid_to(mesh, centre, reach)) ...
+//   if (const ConvexHull* solid = solid_to(mesh, centre, axes, reach)) ...
 #pragma once
 
 #include <carom/collision/aabb.hpp>
@@ -10,6 +10,9 @@
 #include <glm/geometric.hpp>
 
 #include <algorithm>
+#include <array>
+#include <cstddef>
+#include <limits>
 
 namespace carom::detail {
 
@@ -36,15 +39,42 @@ template <class Reach>
     });
 }
 
+/// What would have room if it were turned reaches through the walls by its corners, at most by this share of how deep its centre is inside: a cube
+/// in a room of its own size, turned about one of its axes, by 0.41.
+inline constexpr double kCorner = 0.5;
+
+/// @param axes  of the shape's own box, in the solid's frame, unit.
+/// @param reach  as in has_room().
+/// @return whether its edges, from the shortest to the longest, are no longer than those of the solid's own box, and the shape reaches through no
+/// face by more than its corners do where it is turned.
+template <class Reach>
+[[nodiscard]] bool fits_turned(const ConvexHull& solid, const dvec3& centre, const dmat3& axes, const Reach& reach) {
+    std::array<double, 3> own{}, room{};
+    for (glm::length_t k = 0; k < 3; ++k) {
+        own[static_cast<std::size_t>(k)] = reach(axes[k]) + reach(-axes[k]);
+        room[static_cast<std::size_t>(k)] = solid.local_bounds().upper[k] - solid.local_bounds().lower[k];
+    }
+    std::ranges::sort(own);
+    std::ranges::sort(room);
+    if (!(own[0] < kWedged * room[0] && own[1] < kWedged * room[1] && own[2] < kWedged * room[2])) return false;
+    double inside = std::numeric_limits<double>::infinity(), outside = 0.0;
+    for (const ConvexHull::Face& face : solid.faces()) {
+        inside = std::min(inside, face.offset - glm::dot(face.normal, centre));
+        outside = std::max(outside, reach(face.normal) - face.offset);
+    }
+    return outside <= kCorner * inside;
+}
+
 /// @param centre  of a convex shape, in the mesh's frame.
+/// @param axes    as in fits_turned().
 /// @param reach   as in has_room().
 /// @return the solid whose contacts with the shape are those of the mesh; null where they are those of its triangles: of a mesh that bounds no
-/// convex solid, to what is inside of it and has room there, and to what has its centre behind a one-sided one.
+/// convex solid, to what is inside of it and has room there or would have if it were turned, and to what has its centre behind a one-sided one.
 template <class Reach>
-[[nodiscard]] const ConvexHull* solid_to(const TriangleMesh& mesh, const dvec3& centre, const Reach& reach) {
+[[nodiscard]] const ConvexHull* solid_to(const TriangleMesh& mesh, const dvec3& centre, const dmat3& axes, const Reach& reach) {
     const ConvexHull* const solid = mesh.solid().get();
     if (solid == nullptr || !is_in(*solid, centre)) return solid;
-    return mesh.is_one_sided() || has_room(*solid, reach) ? nullptr : solid;
+    return mesh.is_one_sided() || has_room(*solid, reach) || fits_turned(*solid, centre, axes, reach) ? nullptr : solid;
 }
 
 }  // namespace carom::detail

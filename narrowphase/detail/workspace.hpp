@@ -7,6 +7,7 @@
 #include <carom/narrowphase/detail/mesh_way_out.hpp>
 #include <carom/narrowphase/detail/polygon_contact.hpp>
 #include <carom/narrowphase/detail/polytope_axis.hpp>
+#include <carom/narrowphase/detail/shape_way_out.hpp>
 
 namespace carom::detail {
 
@@ -16,6 +17,7 @@ struct Workspace {
     MeshSurface surface;
     MeshContact meshes;
     WayOutFinder ways;
+    ShapeWayOut shape_ways;
     ManifoldList alone;  ///< of a pair by itself
 };
 

@@ -193,6 +193,46 @@ TEST(MeshSolid, WhatIsWedgedInARoomStaysInside) {
     }
 }
 
+// Turned against a room that it would fit, a crate is in the walls by its corners: these are pushed back, and the crate is not led out by its
+// own width.
+TEST(MeshSolid, ACrateTurnedInItsRoomStaysInside) {
+    Random r(1250);
+    int exact = 0, reaching = 0;
+    for (const float half : {0.45f, 0.49f, 0.5f, 0.505f}) {
+        const Shape crates[] = {Box{vec3{half}}, hull_of(corners_of(Box{vec3{half}}))};
+        for (int i = 0; i < 400; ++i) {
+            const Shape room = box_mesh(vec3{0.5f}, 1 + 2 * (i % 2));
+            const dquat turn = about(i % 3 == 0 ? dvec3{0, 1, 0} : random_direction(r), r.range(0.0, 0.35));
+            const Pose at{0.01 * random_direction(r), turn}, lies{dvec3{0.0}, i % 5 == 0 ? random_rotation(r) : kIdentityRotation};
+            const Pose in_world{rotate(lies.orientation, at.position), lies.orientation * at.orientation};
+            const Aabb reach = bounds(crates[0], at);
+            const double through = std::max({reach.upper.x, reach.upper.y, reach.upper.z, -reach.lower.x, -reach.lower.y, -reach.lower.z}) - 0.5;
+            for (const Shape& crate : crates) {
+                const std::vector<Manifold> m = collide_all(crate, in_world, room, lies, 0.0f);
+                if (through > 1e-5) {
+                    EXPECT_FALSE(m.empty()) << half << " " << i;
+                    EXPECT_GT(static_cast<double>(deepest(m)), -through - 1e-5) << half << " " << i;
+                    exact += std::abs(static_cast<double>(deepest(m)) + through) < 1e-5;
+                    ++reaching;
+                }
+                // Normals lead out of the crate into the walls.
+                for (const Manifold& wall : m) {
+                    const dvec3 point = dvec3(wall.points[0].position);
+                    EXPECT_GT(glm::dot(dvec3(wall.normal), point), 0.3) << half << " " << i;
+                }
+                EXPECT_EQ(explain({&crate, &room, in_world, lies, 0.0f}).disagreement, "") << half << " " << i;
+            }
+        }
+    }
+    EXPECT_GT(reaching, 2000);
+    EXPECT_GT(exact, reaching * 95 / 100) << "the others are deeper than a third of the triangles";
+    // What is longer than the room in a direction does not fit, however it is turned.
+    const Shape room = box_mesh(vec3{0.5f}, 1);
+    for (const Shape& shape : {Shape{Box{{0.52f, 0.52f, 0.52f}}}, Shape{Box{{0.8f, 0.2f, 0.2f}}}, Shape{Capsule{0.1f, 0.5f}}}) {
+        EXPECT_LT(deepest(collide_all(shape, {{0.1, 0.05, 0.0}, kIdentityRotation}, room, {}, 0.0f)), -0.3f) << to_string(type_of(shape));
+    }
+}
+
 TEST(MeshSolid, AMeshInsideOfASolidIsLedOutTheShortestWay) {
     const Shape outer = box_mesh({1.0f, 1.0f, 1.0f}, 3), inner = box_mesh({0.1f, 0.1f, 0.1f}, 1);
     std::vector<Manifold> m;
