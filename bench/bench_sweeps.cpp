@@ -126,8 +126,8 @@ CAROM_BOTH(Sphere, Cylinder)
 CAROM_BOTH(Capsule, Plane)
 CAROM_BOTH(Capsule, Sphere)
 CAROM_BOTH(Capsule, Capsule)
-BENCHMARK(single<geo::Capsule<double>, geo::Aabb<double>, double>);
-BENCHMARK(single<geo::Capsule<double>, geo::Obb<double>, double>);
+CAROM_BOTH(Capsule, Aabb)
+CAROM_BOTH(Capsule, Obb)
 BENCHMARK(single<geo::Capsule<double>, geo::Triangle<double>, double>);
 BENCHMARK(single<geo::Capsule<double>, geo::Cylinder<double>, double>);
 

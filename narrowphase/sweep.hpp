@@ -123,11 +123,12 @@ template <class A, class B, class T>
 void sweep_together(std::span<const A> a, std::span<const Vec3<T>> motions, std::span<const B> b, std::span<BasicImpact<T>> out);
 /// What sweep_together() takes.
 template <class A, class B, class T>
-inline constexpr bool kSweptTogether = std::is_same_v<B, Plane<T>> || std::is_same_v<B, Sphere<T>> || std::is_same_v<B, Capsule<T>>
-                                           ? std::is_same_v<A, Sphere<T>> || std::is_same_v<A, Capsule<T>>
-                                           : std::is_same_v<A, Sphere<T>> &&
-                                                 (std::is_same_v<B, Aabb<T>> || std::is_same_v<B, Obb<T>> ||
-                                                  std::is_same_v<B, Triangle<T>> || std::is_same_v<B, Cylinder<T>>);
+inline constexpr bool kSweptTogether =
+    (std::is_same_v<A, Sphere<T>> || std::is_same_v<A, Capsule<T>>)&&(std::is_same_v<B, Plane<T>> || std::is_same_v<B, Sphere<T>> ||
+                                                                      std::is_same_v<B, Capsule<T>> || std::is_same_v<B, Aabb<T>> ||
+                                                                      std::is_same_v<B, Obb<T>> ||
+                                                                      (std::is_same_v<A, Sphere<T>> &&
+                                                                       (std::is_same_v<B, Triangle<T>> || std::is_same_v<B, Cylinder<T>>)));
 
 /// Batches: a[i] by motions[i] against b[i], the same bits as of the single call. For every pair of types above but meshes.
 /// Cost: several at once, spheres against planes, spheres, capsules, boxes and triangles 11 to 45 ns, against cylinders 85; capsules against planes and

@@ -120,6 +120,16 @@ void take(const SweptRows& rows, std::size_t i, const A& a, const Vec3<T>& motio
     }
 }
 
+/// The call for one pair of which a kernel was not sure.
+template <class A, class B, class T>
+BasicImpact<T> leave(const A& a, const Vec3<T>& motion, const B& b) noexcept {
+    if constexpr (kSweptAsBatch<A, B, T>) {
+        return sweep_by_parts(a, motion, b);
+    } else {
+        return sweep(a, motion, b);
+    }
+}
+
 }  // namespace
 
 template <class A, class B, class T>
@@ -141,7 +151,7 @@ void sweep_together(std::span<const A> a, std::span<const Vec3<T>> motions, std:
         for (std::size_t i = 0; i < count; ++i) {
             const std::size_t pair = first + i;
             if (rows.out[SweptRows::kState][i] == SweptRows::kUnsure) {
-                out[pair] = sweep(a[pair], motions[pair], b[pair]);
+                out[pair] = leave(a[pair], motions[pair], b[pair]);
             } else {
                 take(rows, i, a[pair], motions[pair], b[pair], out[pair]);
             }
@@ -164,6 +174,8 @@ CAROM_SWEPT(Sphere, Cylinder)
 CAROM_SWEPT(Capsule, Plane)
 CAROM_SWEPT(Capsule, Sphere)
 CAROM_SWEPT(Capsule, Capsule)
+CAROM_SWEPT(Capsule, Aabb)
+CAROM_SWEPT(Capsule, Obb)
 #undef CAROM_SWEPT
 #undef CAROM_SWEPT_OF
 

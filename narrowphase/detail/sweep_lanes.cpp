@@ -6,7 +6,7 @@
 #include <carom/core/lanes_doubles.hpp>
 #include <carom/narrowphase/detail/sweep_lanes.hpp>
 #include <carom/narrowphase/detail/sweep_parts.hpp>
-#include <carom/narrowphase/detail/swept_parts_lanes.hpp>
+#include <carom/narrowphase/detail/swept_capsule_lanes.hpp>
 
 HWY_BEFORE_NAMESPACE();
 namespace carom::detail::HWY_NAMESPACE {
@@ -64,12 +64,6 @@ struct Columns {
         const DoubleMask overlaps = t <= Doubles(0.0), touches = (t <= Doubles(1.0)) & !overlaps;
         answer(touches, overlaps, t, (from + motion * t) + normal * radius, normal);
     }
-};
-
-/// When a part is first met, and the way towards it then.
-struct Meeting {
-    Doubles t;
-    Doubles3 normal;
 };
 
 /// The other end of a capsule's axis.
@@ -167,36 +161,6 @@ struct CapsuleAtSegment {
     }
 };
 
-// As sweep_box() of sweep_parts.cpp.
-HWY_INLINE Meeting sweep_box(const WidePath& path, const Doubles3& lower, const Doubles3& upper, DoubleMask& sure) {
-    const Doubles zero(0.0), one(1.0), never(kNoContact);
-    const Doubles3& d = path.motion;
-    const WideSlabs slabs{{d.x, lower.x, upper.x, path.radius}, {d.y, lower.y, upper.y, path.radius}, {d.z, lower.z, upper.z, path.radius}};
-    const WideSlab &x = slabs.x, &y = slabs.y, &z = slabs.z;
-    const Doubles reaches = greatest(greatest(x.reaches, y.reaches), z.reaches);
-    const Doubles leaves = least(least(least(one, x.leaves), y.leaves), z.leaves) * Doubles(2.0 - kRounded);
-    const Doubles from = greatest(zero, reaches * Doubles(kRounded));
-    const DoubleMask comes = sure & (from <= leaves);
-    if (none(comes)) return {never, zero3()};
-    const DoubleMask by_x = reaches == x.reaches, by_y = (!by_x) & (reaches == y.reaches), by_z = !(by_x | by_y);
-    const DoubleMask in_x = x.holds(reaches), in_y = y.holds(reaches), in_z = z.holds(reaches);
-    const DoubleMask straight = comes & (reaches > zero) & ((by_x & in_y & in_z) | (by_y & in_z & in_x) | (by_z & in_x & in_y));
-    const auto towards = [&](DoubleMask by, const WideSlab& s) { return select(by, select(s.speed > zero, one, -one), zero); };
-    const Doubles3 face{towards(by_x, x), towards(by_y, y), towards(by_z, z)};
-    const DoubleMask slanted = comes & !straight;
-    Doubles t = select(straight, from, never);
-    if (none(slanted)) return {t, face};
-    t = select(straight, t, slabs.sweep_pieces(path, from, least(leaves, one), slanted, sure));
-    const Doubles3 p = d * t;
-    const Doubles3 gap = Doubles3{x.clamped(p.x), y.clamped(p.y), z.clamped(p.z)} - p;
-    return {t, select(straight, face, direction(gap, path, slabs.last_face()))};
-}
-
-HWY_INLINE Doubles farthest(const Doubles3& lower, const Doubles3& upper) {
-    const Doubles3 a = abs(lower), b = abs(upper);
-    return length(Doubles3{greatest(a.x, b.x), greatest(a.y, b.y), greatest(a.z, b.z)});
-}
-
 struct AtBox {
     static HWY_INLINE void sweep(Columns& c) {
         const Doubles3 low = c.vector(0), high = c.vector(3), lower = low - c.from, upper = high - c.from;
@@ -219,6 +183,39 @@ struct AtTurnedBox {
         const DoubleMask overlaps = met.t <= Doubles(0.0), touches = (met.t <= Doubles(1.0)) & !overlaps;
         const Doubles3 point = (from + motion * met.t) + met.normal * c.radius;
         c.answer(touches, overlaps, met.t, centre + from_box(point), from_box(met.normal));
+    }
+};
+
+HWY_INLINE Doubles3 clamped(const Doubles3& p, const Doubles3& low, const Doubles3& high) {
+    return {least(greatest(p.x, low.x), high.x), least(greatest(p.y, low.y), high.y), least(greatest(p.z, low.z), high.z)};
+}
+
+struct CapsuleAtBox {
+    static HWY_INLINE void sweep(Columns& c) {
+        const Doubles3 low = c.vector(0), high = c.vector(3), lower = low - c.from, upper = high - c.from, axis = other_end(c) - c.from;
+        c.sure = c.sure & Columns::usual(low) & Columns::usual(high) & (low.x <= high.x) & (low.y <= high.y) & (low.z <= high.z) &
+                 long_or_none(c.motion);
+        const WidePath path = c.path(c.motion, farthest(lower, upper) + length(axis), Doubles(0.0));
+        const WideTouch met = WideRod(path, axis, lower, upper).sweep(c.sure);
+        const DoubleMask overlaps = met.t <= Doubles(0.0), touches = (met.t <= Doubles(1.0)) & !overlaps;
+        c.answer(touches, overlaps, met.t, clamped(c.from + met.on, low, high), met.normal);
+    }
+};
+
+struct CapsuleAtTurnedBox {
+    static HWY_INLINE void sweep(Columns& c) {
+        const Doubles3 centre = c.vector(0), half = c.vector(3), x = c.vector(6), y = c.vector(9), z = c.vector(12);
+        const auto in_box = [&](const Doubles3& v) { return Doubles3{dot(x, v), dot(y, v), dot(z, v)}; };
+        const auto from_box = [&](const Doubles3& v) { return (x * v.x + y * v.y) + z * v.z; };
+        const Doubles3 from = in_box(c.from - centre), axis = in_box(other_end(c) - centre) - from, motion = in_box(c.motion);
+        c.sure = c.sure & Columns::usual(centre) & Columns::fit(half.x) & Columns::fit(half.y) & Columns::fit(half.z) & Columns::usual(x) &
+                 Columns::usual(y) & Columns::usual(z) & Columns::usual(from) & Columns::usual(axis) & Columns::usual(motion) &
+                 long_or_none(motion);
+        const Doubles3 lower = -half - from, upper = half - from;
+        const WidePath path = c.path(motion, farthest(lower, upper) + length(axis), Doubles(0.0));
+        const WideTouch met = WideRod(path, axis, lower, upper).sweep(c.sure);
+        const DoubleMask overlaps = met.t <= Doubles(0.0), touches = (met.t <= Doubles(1.0)) & !overlaps;
+        c.answer(touches, overlaps, met.t, centre + from_box(clamped(from + met.on, -half, half)), from_box(met.normal));
     }
 };
 
@@ -328,9 +325,9 @@ void SweepLanes(Sweeper a, SweptCore b, SweptRows& rows, std::size_t count) {
         case SweptCore::Segment:
             return sphere ? run<AtSegment>(a, rows, count) : run<CapsuleAtSegment>(a, rows, count);
         case SweptCore::Box:
-            return run<AtBox>(a, rows, count);
+            return sphere ? run<AtBox>(a, rows, count) : run<CapsuleAtBox>(a, rows, count);
         case SweptCore::TurnedBox:
-            return run<AtTurnedBox>(a, rows, count);
+            return sphere ? run<AtTurnedBox>(a, rows, count) : run<CapsuleAtTurnedBox>(a, rows, count);
         case SweptCore::Triangle:
             return run<AtTriangle>(a, rows, count);
         case SweptCore::Tube:

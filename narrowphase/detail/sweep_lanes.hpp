@@ -16,7 +16,7 @@ enum class SweptCore : unsigned char { Plane, Point, Segment, Box, TurnedBox, Tr
 /// One pair a column.
 struct SweptRows {
     static constexpr std::size_t kPairs = 64, kStep = 8;  ///< the most at once; the widest of all targets
-    static constexpr std::size_t kInput = 22, kOutput = 9;
+    static constexpr std::size_t kInput = 25, kOutput = 9;
     // The moving sphere's centre, or one end of the capsule's axis, its radius and motion, and the axis' other end; then B's numbers in the order of
     // its members; of boxes that turn the axes come last.
     static constexpr std::size_t kRadius = 3, kMotion = 4, kEnd = 7;

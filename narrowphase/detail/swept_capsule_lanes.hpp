@@ -1,0 +1,179 @@
+// A moving capsule against a box along the axes, in lanes: its centre line's start, a point, against the box swept along the line backward, grown by the radius.
+// That solid's boundary is of the box at either end of the line, of parallelograms that the box's edges sweep, one of four for each of the three
+// directions on either side, and of segments that its corners sweep.
+
+// This guard lets the file through once for each target.
+#if defined(CAROM_NARROWPHASE_SWEPT_CAPSULE_LANES_HPP) == defined(HWY_TARGET_TOGGLE)
+#ifdef CAROM_NARROWPHASE_SWEPT_CAPSULE_LANES_HPP
+#undef CAROM_NARROWPHASE_SWEPT_CAPSULE_LANES_HPP
+#else
+#define CAROM_NARROWPHASE_SWEPT_CAPSULE_LANES_HPP
+#endif
+
+#include <carom/narrowphase/detail/swept_box_lanes.hpp>
+
+HWY_BEFORE_NAMESPACE();
+namespace carom::detail::HWY_NAMESPACE {
+
+/// @param normal  from A to B; @param on  B's point.
+struct WideTouch {
+    Doubles t;
+    Doubles3 normal, on;
+};
+HWY_INLINE WideTouch earlier(const WideTouch& a, const WideTouch& b) {
+    const DoubleMask second = b.t < a.t;
+    return {select(second, b.t, a.t), select(second, b.normal, a.normal), select(second, b.on, a.on)};
+}
+
+/// Segments of one direction, from corners of a box: those of them at which the moving point comes within the radius of their insides.
+/// Across the direction the motion is one vector and the way to each corner two products with it: sums of those of the three coordinates.
+struct WideEdges {
+    Doubles3 along, across, back, turns[2], backs[2], shares[2];  ///< turns[0].x: of lower.x, and so on
+    Doubles whole, speed_sq, inverse, falls;
+    DoubleMask has, moves;
+
+    HWY_INLINE WideEdges(const WidePath& path, const Doubles3& axis, const Doubles3& lower, const Doubles3& upper)
+        : along(zero3()),
+          across(zero3()),
+          back(zero3()),
+          turns{zero3(), zero3()},
+          backs{zero3(), zero3()},
+          shares{zero3(), zero3()},
+          whole(length(axis)),
+          has(whole > Doubles(kShortSegment)),
+          moves(has) {
+        along = over(axis, whole);
+        across = cross(path.motion, along);
+        across = across - along * dot(across, along);  // what rounding left along it would tell as a distance
+        back = cross(along, across);
+        speed_sq = dot(across, across);
+        moves = speed_sq > Doubles(0.0);
+        inverse = Doubles(1.0) / speed_sq;
+        falls = dot(path.motion, along);
+        const auto times = [](const Doubles3& a, const Doubles3& b) { return Doubles3{a.x * b.x, a.y * b.y, a.z * b.z}; };
+        turns[0] = times(across, lower), turns[1] = times(across, upper);
+        backs[0] = times(back, lower), backs[1] = times(back, upper);
+        shares[0] = times(along, lower), shares[1] = times(along, upper);
+    }
+    static HWY_INLINE Doubles sum(const Doubles3 (&of)[2], unsigned corner) {
+        return (of[corner & 1u].x + of[corner >> 1 & 1u].y) + of[corner >> 2].z;
+    }
+};
+
+struct WideRod {
+    WidePath path;
+    Doubles3 axis, lower, upper;
+    Doubles slack;  ///< by how much a parallelogram may be off
+
+    HWY_INLINE WideRod(const WidePath& p, const Doubles3& a, const Doubles3& low, const Doubles3& high)
+        : path(p), axis(a), lower(low), upper(high), slack(Doubles(kGrowth) * p.size) {}
+
+    /// The segments corner - s axis.
+    HWY_INLINE WideTouch sweep_corners(DoubleMask& sure) const {
+        const Doubles zero(0.0), one(1.0), never(kNoContact), radius = path.radius + Doubles(2.0) * slack, square = radius * radius;
+        const WideEdges edges(path, axis, lower, upper);
+        sure = sure & ((!edges.has) | long_or_none(edges.across));
+        const Doubles reach = square * edges.speed_sq;
+        Doubles t = never;
+        Doubles3 on = zero3();
+        const DoubleMask stands = edges.has & !edges.moves;
+        const bool any_stands = !none(stands);
+        for (unsigned corner = 0; corner < 8; ++corner) {
+            const Doubles turn = WideEdges::sum(edges.turns, corner), away = WideEdges::sum(edges.backs, corner);
+            const Doubles share = WideEdges::sum(edges.shares, corner);
+            const Doubles room = reach - turn * turn;
+            const Doubles3 q{corner & 1u ? upper.x : lower.x, corner & 2u ? upper.y : lower.y, corner & 4u ? upper.z : lower.z};
+            const Doubles root = sqrt(room), at = greatest((away - root) * edges.inverse * Doubles(kRounded), zero);
+            DoubleMask meets = edges.has & (room >= zero) & (away + root >= zero) & (at <= one);
+            Doubles when = at;
+            if (any_stands) {
+                const Doubles3 beside = cross(q, edges.along);
+                meets = meets | (stands & (dot(beside, beside) <= square));
+                when = select(stands, zero, at);
+            }
+            const Doubles s = share - when * edges.falls;
+            const DoubleMask first = meets & (s >= zero) & (s <= edges.whole) & (when < t);
+            t = select(first, when, t);
+            on = select(first, q, on);
+        }
+        const Doubles3 gap = on - path.motion * t;  // and back along the line
+        const Doubles3 straight = gap - edges.along * dot(gap, edges.along);
+        return {t, direction(straight, path, path.motion), on};
+    }
+
+    /// Numbers in the order of an edge's direction and the two others.
+    struct Turned {
+        Doubles k, i, j;
+    };
+    template <int kAxis>
+    static HWY_INLINE Turned turned(const Doubles3& v) {
+        if constexpr (kAxis == 0) return {v.x, v.y, v.z};
+        if constexpr (kAxis == 1) return {v.y, v.z, v.x};
+        return {v.z, v.x, v.y};
+    }
+    template <int kAxis>
+    static HWY_INLINE Doubles3 back(const Turned& v) {
+        if constexpr (kAxis == 0) return {v.k, v.i, v.j};
+        if constexpr (kAxis == 1) return {v.j, v.k, v.i};
+        return {v.i, v.j, v.k};
+    }
+
+    /// The parallelogram of the edges along one axis that is towards the start. Its normal is square to an axis, so a turned line without rounding.
+    /// @param inside  set to false where the start is before it.
+    template <int kAxis>
+    HWY_INLINE WideTouch sweep_side(DoubleMask& inside, Doubles whole) const {
+        const Doubles zero(0.0), one(1.0), never(kNoContact);
+        const Turned a = turned<kAxis>(axis), d = turned<kAxis>(path.motion), low = turned<kAxis>(lower), high = turned<kAxis>(upper);
+        const Doubles wide = sqrt(a.i * a.i + a.j * a.j), inverse = one / wide;
+        const DoubleMask has = wide > Doubles(kShortSegment);
+        Doubles n_i = -(a.j * inverse), n_j = a.i * inverse;
+        const DoubleMask under = n_i * (low.i + high.i) + n_j * (low.j + high.j) > zero;
+        n_i = select(under, -n_i, n_i), n_j = select(under, -n_j, n_j);
+        // Where two edges are as far out, the foremost: of all parallelograms in one plane, so that the two ends of the box and they leave nothing out.
+        const DoubleMask far_i = (n_i > zero) | ((n_i == zero) & (a.i < zero)), far_j = (n_j > zero) | ((n_j == zero) & (a.j < zero));
+        const Doubles q_i = select(far_i, high.i, low.i), q_j = select(far_j, high.j, low.j);
+        const Doubles height = -(n_i * q_i + n_j * q_j), fall = -(n_i * d.i + n_j * d.j);
+        inside = inside & ((!has) | (height <= zero));
+        const Doubles radius = path.radius + Doubles(0.5) * slack;
+        const DoubleMask above = height > radius;
+        const Doubles reached = (height - radius) / fall * Doubles(kRounded), t = select(above, reached, zero);
+        const DoubleMask comes = select_mask(above, (fall > zero) & (reached <= one), height >= -radius);
+        const Doubles p_i = d.i * t - q_i, p_j = d.j * t - q_j, p_k = d.k * t - low.k;
+        const Doubles y = -(p_i * a.i + p_j * a.j) * inverse, x = p_k * wide + y * a.k, width = high.k - low.k;
+        const Doubles margin = slack * whole;
+        const DoubleMask within = (y >= -slack) & (y <= wide + slack) & (x >= -margin) & (x <= width * wide + margin);
+        const Doubles on_k = low.k + least(greatest(x * inverse, zero), width);
+        return {select(has & comes & within, t, never), back<kAxis>({zero, -n_i, -n_j}), back<kAxis>({on_k, q_i, q_j})};
+    }
+    static HWY_INLINE DoubleMask select_mask(DoubleMask m, DoubleMask yes, DoubleMask no) { return (m & yes) | ((!m) & no); }
+
+    HWY_INLINE WideTouch sweep_end(const Doubles3& by, DoubleMask& sure) const {
+        WidePath grown = path;
+        grown.radius = path.radius + Doubles(3.0) * slack;
+        const Doubles3 low = lower + by, high = upper + by;
+        const Meeting met = sweep_box(grown, low, high, sure);
+        const Doubles3 p = path.motion * met.t - by;
+        return {met.t, met.normal,
+                {least(greatest(p.x, lower.x), upper.x), least(greatest(p.y, lower.y), upper.y), least(greatest(p.z, lower.z), upper.z)}};
+    }
+
+    HWY_INLINE WideTouch sweep(DoubleMask& sure) const {
+        const Doubles zero(0.0), whole = length(axis);
+        DoubleMask inside = sure & (lower.x - greatest(axis.x, zero) <= zero) & (upper.x - least(axis.x, zero) >= zero) &
+                            (lower.y - greatest(axis.y, zero) <= zero) & (upper.y - least(axis.y, zero) >= zero) &
+                            (lower.z - greatest(axis.z, zero) <= zero) & (upper.z - least(axis.z, zero) >= zero);
+        WideTouch first = sweep_corners(sure);
+        first = earlier(first, sweep_side<0>(inside, whole));
+        first = earlier(first, sweep_side<1>(inside, whole));
+        first = earlier(first, sweep_side<2>(inside, whole));
+        first = earlier(first, sweep_end(zero3(), sure));
+        first = earlier(first, sweep_end(-axis, sure));
+        first.t = select(inside, zero, first.t);
+        return first;
+    }
+};
+
+}  // namespace carom::detail::HWY_NAMESPACE
+HWY_AFTER_NAMESPACE();
+
+#endif  // per-target guard
