@@ -128,7 +128,7 @@ CAROM_BOTH(Capsule, Sphere)
 CAROM_BOTH(Capsule, Capsule)
 CAROM_BOTH(Capsule, Aabb)
 CAROM_BOTH(Capsule, Obb)
-BENCHMARK(single<geo::Capsule<double>, geo::Triangle<double>, double>);
+CAROM_BOTH(Capsule, Triangle)
 BENCHMARK(single<geo::Capsule<double>, geo::Cylinder<double>, double>);
 
 dvec3 direction(Random& random) {

@@ -225,7 +225,7 @@ BasicImpact<T> sweep(const Capsule<T>& a, const Vec3<T>& motion, const Sphere<T>
 }
 
 template <class T>
-BasicImpact<T> sweep(const Capsule<T>& a, const Vec3<T>& motion, const Capsule<T>& b) noexcept {
+BasicImpact<T> sweep_by_parts(const Capsule<T>& a, const Vec3<T>& motion, const Capsule<T>& b) noexcept {
     if (!all_fit(a, motion, b)) return rounded<T>(kInvalidImpact);
     const SweepFrame frame{dvec3(a.axis.a), dvec3(motion), double(a.radius), double(b.radius)};
     const dvec3 axis = dvec3(a.axis.b) - dvec3(a.axis.a);
@@ -252,6 +252,16 @@ BasicImpact<T> sweep_by_parts(const Capsule<T>& a, const Vec3<T>& motion, const 
 }
 
 template <class T>
+BasicImpact<T> sweep_by_parts(const Capsule<T>& a, const Vec3<T>& motion, const Triangle<T>& b) noexcept {
+    if (!all_fit(a, motion, b)) return rounded<T>(kInvalidImpact);
+    return rounded<T>(capsule_sweep(widened(a), dvec3(motion), widened(b)));
+}
+
+template <class T>
+BasicImpact<T> sweep(const Capsule<T>& a, const Vec3<T>& motion, const Capsule<T>& b) noexcept {
+    return batch_of_one(a, motion, b);
+}
+template <class T>
 BasicImpact<T> sweep(const Capsule<T>& a, const Vec3<T>& motion, const Aabb<T>& b) noexcept {
     return batch_of_one(a, motion, b);
 }
@@ -259,11 +269,9 @@ template <class T>
 BasicImpact<T> sweep(const Capsule<T>& a, const Vec3<T>& motion, const Obb<T>& b) noexcept {
     return batch_of_one(a, motion, b);
 }
-
 template <class T>
 BasicImpact<T> sweep(const Capsule<T>& a, const Vec3<T>& motion, const Triangle<T>& b) noexcept {
-    if (!all_fit(a, motion, b)) return rounded<T>(kInvalidImpact);
-    return rounded<T>(capsule_sweep(widened(a), dvec3(motion), widened(b)));
+    return batch_of_one(a, motion, b);
 }
 
 template <class T>
@@ -278,8 +286,10 @@ BasicImpact<T> sweep(const Aabb<T>& a, const Vec3<T>& motion, const Aabb<T>& b) 
 #define CAROM_BY_PARTS(B)                                                                                            \
     template BasicImpact<float> sweep_by_parts(const Capsule<float>&, const Vec3<float>&, const B<float>&) noexcept; \
     template BasicImpact<double> sweep_by_parts(const Capsule<double>&, const Vec3<double>&, const B<double>&) noexcept;
+CAROM_BY_PARTS(Capsule)
 CAROM_BY_PARTS(Aabb)
 CAROM_BY_PARTS(Obb)
+CAROM_BY_PARTS(Triangle)
 #undef CAROM_BY_PARTS
 #define CAROM_SWEEPS(A, B)                                                                            \
     template BasicImpact<float> sweep(const A<float>&, const Vec3<float>&, const B<float>&) noexcept; \

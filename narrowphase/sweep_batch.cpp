@@ -94,18 +94,9 @@ T time_of(double exact) noexcept {
     }
 }
 
-/// Where two capsules that touch are nearest, which kernels leave out.
-template <class T>
-dvec3 point_of(const SweptRows& rows, std::size_t i, const Capsule<T>& a, const Vec3<T>& motion, const Capsule<T>& b) noexcept {
-    const dvec3 from(a.axis.a), at = from + rows.out[SweptRows::kTime][i] * dvec3(motion);
-    const dvec3 normal{rows.out[SweptRows::kNormal][i], rows.out[SweptRows::kNormal + 1][i], rows.out[SweptRows::kNormal + 2][i]};
-    const Segment<double> axis{dvec3(b.axis.a), dvec3(b.axis.b)};
-    return nearest_under(at, dvec3(a.axis.b) - from, axis) - double(b.radius) * normal;
-}
-
 /// Number by number: what has just been stored by eights is slow to copy by sixteens.
-template <class A, class B, class T>
-void take(const SweptRows& rows, std::size_t i, const A& a, const Vec3<T>& motion, const B& b, BasicImpact<T>& to) noexcept {
+template <class B, class T>
+void take(const SweptRows& rows, std::size_t i, BasicImpact<T>& to) noexcept {
     to.status = static_cast<ImpactStatus>(static_cast<int>(rows.out[SweptRows::kState][i]));
     to.t = time_of<T>(rows.out[SweptRows::kTime][i]);
     for (int k = 0; k < 3; ++k) {
@@ -115,9 +106,6 @@ void take(const SweptRows& rows, std::size_t i, const A& a, const Vec3<T>& motio
     }
     to.checks = 0;
     if constexpr (std::is_same_v<B, Cylinder<T>>) to.checks = static_cast<int>(rows.out[SweptRows::kChecks][i]);
-    if constexpr (std::is_same_v<A, Capsule<T>> && std::is_same_v<B, Capsule<T>>) {
-        if (to.status == ImpactStatus::Touching) to.point = Vec3<T>(point_of(rows, i, a, motion, b));
-    }
 }
 
 /// The call for one pair of which a kernel was not sure.
@@ -153,7 +141,7 @@ void sweep_together(std::span<const A> a, std::span<const Vec3<T>> motions, std:
             if (rows.out[SweptRows::kState][i] == SweptRows::kUnsure) {
                 out[pair] = leave(a[pair], motions[pair], b[pair]);
             } else {
-                take(rows, i, a[pair], motions[pair], b[pair], out[pair]);
+                take<B>(rows, i, out[pair]);
             }
         }
     }
@@ -176,6 +164,7 @@ CAROM_SWEPT(Capsule, Sphere)
 CAROM_SWEPT(Capsule, Capsule)
 CAROM_SWEPT(Capsule, Aabb)
 CAROM_SWEPT(Capsule, Obb)
+CAROM_SWEPT(Capsule, Triangle)
 #undef CAROM_SWEPT
 #undef CAROM_SWEPT_OF
 

@@ -122,21 +122,6 @@ struct AtSegment {
     }
 };
 
-// As sweep_edges() of sweep.cpp.
-HWY_INLINE Meeting sweep_edges(const WidePath& path, const Doubles3& axis, const Doubles3& q, const Doubles3& u, DoubleMask& sure) {
-    const Doubles3 back = -axis;
-    const WideFace face(path, q, u, back);
-    const Doubles rim = path.radius + face.rim_growth();
-    Doubles3 normal = zero3();
-    const Doubles on_face = face.sweep_face<FaceKind::Parallelogram>(path, normal);
-    WideMeeting met{on_face, zero3()};
-    met = earlier(met, sweep_segment(path, rim, q, u, sure));
-    met = earlier(met, sweep_segment(path, rim, q - axis, u, sure));
-    met = earlier(met, sweep_segment(path, rim, q, back, sure));
-    met = earlier(met, sweep_segment(path, rim, q + u, back, sure));
-    return {met.t, select(met.t < on_face, direction(met.gap, path, path.motion), normal)};
-}
-
 struct CapsuleAtPoint {
     static HWY_INLINE void sweep(Columns& c) {
         const Doubles3 centre = c.vector(0), q = centre - c.from, axis = other_end(c) - c.from;
@@ -156,8 +141,9 @@ struct CapsuleAtSegment {
         const Doubles radius = c.number(6);
         c.sure = c.sure & Columns::usual(a) & Columns::usual(b) & Columns::fit(radius) & long_or_none(c.motion);
         const WidePath path = c.path(c.motion, greatest(length(q), length(q + u)) + length(axis), radius);
-        const Meeting met = sweep_edges(path, axis, q, u, c.sure);
-        c.answer(met.t, met.normal);
+        const WideTouch met = sweep_segments(path, axis, q, u, c.sure);
+        const DoubleMask overlaps = met.t <= Doubles(0.0), touches = (met.t <= Doubles(1.0)) & !overlaps;
+        c.answer(touches, overlaps, met.t, c.from + met.on - met.normal * radius, met.normal);
     }
 };
 
@@ -238,6 +224,19 @@ struct AtTriangle {
         WideMeeting met{on_face, zero3()};
         for (int k = 0; k < 3; ++k) met = earlier(met, sweep_segment(path, rim, corners[k], sides[k], c.sure));
         c.answer(met.t, select(met.t < on_face, direction(met.gap, path, path.motion), normal));
+    }
+};
+
+struct CapsuleAtTriangle {
+    static HWY_INLINE void sweep(Columns& c) {
+        const Doubles3 at_a = c.vector(0), at_b = c.vector(3), at_c = c.vector(6), axis = other_end(c) - c.from;
+        c.sure = c.sure & Columns::usual(at_a) & Columns::usual(at_b) & Columns::usual(at_c) & long_or_none(c.motion);
+        const Doubles3 corners[3] = {at_a - c.from, at_b - c.from, at_c - c.from};
+        const Doubles farthest = greatest(greatest(length(corners[0]), length(corners[1])), length(corners[2]));
+        const WidePath path = c.path(c.motion, farthest + length(axis), Doubles(0.0));
+        const WideTouch met = sweep_prism(path, axis, corners, c.sure);
+        const DoubleMask overlaps = met.t <= Doubles(0.0), touches = (met.t <= Doubles(1.0)) & !overlaps;
+        c.answer(touches, overlaps, met.t, c.from + met.on, met.normal);
     }
 };
 
@@ -329,7 +328,7 @@ void SweepLanes(Sweeper a, SweptCore b, SweptRows& rows, std::size_t count) {
         case SweptCore::TurnedBox:
             return sphere ? run<AtTurnedBox>(a, rows, count) : run<CapsuleAtTurnedBox>(a, rows, count);
         case SweptCore::Triangle:
-            return run<AtTriangle>(a, rows, count);
+            return sphere ? run<AtTriangle>(a, rows, count) : run<CapsuleAtTriangle>(a, rows, count);
         case SweptCore::Tube:
             return run<AtTube>(a, rows, count);
     }

@@ -29,7 +29,7 @@ struct SweptRows {
     alignas(64) double out[kOutput][kPairs];
 };
 
-/// Spheres against all of them, capsules against planes, points and segments; of the latter the point is left out.
+/// Spheres against all of them, capsules against all but tubes.
 /// @param count  a multiple of SweptRows::kStep, at most kPairs: all these columns are filled.
 void sweep_lanes(Sweeper a, SweptCore b, SweptRows& rows, std::size_t count) noexcept;
 

@@ -15,6 +15,8 @@
 HWY_BEFORE_NAMESPACE();
 namespace carom::detail::HWY_NAMESPACE {
 
+HWY_INLINE DoubleMask select_mask(DoubleMask m, DoubleMask yes, DoubleMask no) { return (m & yes) | ((!m) & no); }
+
 /// @param normal  from A to B; @param on  B's point.
 struct WideTouch {
     Doubles t;
@@ -25,24 +27,16 @@ HWY_INLINE WideTouch earlier(const WideTouch& a, const WideTouch& b) {
     return {select(second, b.t, a.t), select(second, b.normal, a.normal), select(second, b.on, a.on)};
 }
 
-/// Segments of one direction, from corners of a box: those of them at which the moving point comes within the radius of their insides.
-/// Across the direction the motion is one vector and the way to each corner two products with it: sums of those of the three coordinates.
-struct WideEdges {
-    Doubles3 along, across, back, turns[2], backs[2], shares[2];  ///< turns[0].x: of lower.x, and so on
+/// Lines of one direction as the moving point sees them, by what is square to it. A line through q is met at the root of a quadratic whose numbers are
+/// q . across and q . back: exact for lines that are off by eps |q|.
+struct WideDirection {
+    Doubles3 along, across, back;
     Doubles whole, speed_sq, inverse, falls;
-    DoubleMask has, moves;
+    DoubleMask has, moves;  ///< it has a length; the motion is not along it
 
-    HWY_INLINE WideEdges(const WidePath& path, const Doubles3& axis, const Doubles3& lower, const Doubles3& upper)
-        : along(zero3()),
-          across(zero3()),
-          back(zero3()),
-          turns{zero3(), zero3()},
-          backs{zero3(), zero3()},
-          shares{zero3(), zero3()},
-          whole(length(axis)),
-          has(whole > Doubles(kShortSegment)),
-          moves(has) {
-        along = over(axis, whole);
+    HWY_INLINE WideDirection(const WidePath& path, const Doubles3& u)
+        : along(zero3()), across(zero3()), back(zero3()), whole(length(u)), has(whole > Doubles(kShortSegment)), moves(has) {
+        along = over(u, whole);
         across = cross(path.motion, along);
         across = across - along * dot(across, along);  // what rounding left along it would tell as a distance
         back = cross(along, across);
@@ -50,6 +44,162 @@ struct WideEdges {
         moves = speed_sq > Doubles(0.0);
         inverse = Doubles(1.0) / speed_sq;
         falls = dot(path.motion, along);
+    }
+    HWY_INLINE DoubleMask sure() const { return (!has) | long_or_none(across); }
+};
+
+/// The first of the segments and points that a moving point comes to within a radius.
+struct WideRims {
+    Doubles t;
+    Doubles3 at, on;  ///< the point of the rim, and B's: the two differ by what of A's line is before it
+
+    HWY_INLINE WideRims() : t(kNoContact), at(zero3()), on(zero3()) {}
+
+    /// q + s along, 0 <= s <= its length; what goes past an end inside of the radius is the ends'.
+    /// @param start, kMoves  B's point: start, or start + s along.
+    template <bool kMoves>
+    HWY_INLINE void segment(const WideDirection& e, const Doubles3& q, Doubles radius, const Doubles3& start) {
+        const Doubles zero(0.0), turn = dot(q, e.across), away = dot(q, e.back), square = radius * radius;
+        const Doubles room = square * e.speed_sq - turn * turn, root = sqrt(room);
+        Doubles when = greatest((away - root) * e.inverse * Doubles(kRounded), zero);
+        DoubleMask meets = e.has & (room >= zero) & (away + root >= zero) & (when <= Doubles(1.0));
+        const DoubleMask stands = e.has & !e.moves;
+        if (!none(stands)) {
+            const Doubles3 beside = cross(q, e.along);
+            meets = meets | (stands & (dot(beside, beside) <= square));
+            when = select(stands, zero, when);
+        }
+        const Doubles s = when * e.falls - dot(q, e.along);
+        const DoubleMask first = meets & (s >= zero) & (s <= e.whole) & (when < t);
+        if (none(first)) return;
+        const Doubles3 way = e.along * s;
+        t = select(first, when, t);
+        at = select(first, q + way, at);
+        on = select(first, kMoves ? start + way : start, on);
+    }
+    /// @param dd, inverse  the motion's square, and one over it.
+    HWY_INLINE void point(const WidePath& path, Doubles dd, Doubles inverse, const Doubles3& q, Doubles radius, const Doubles3& of_b) {
+        const Doubles zero(0.0), square = radius * radius;
+        const Doubles3 aside = cross(q, path.motion);
+        const Doubles room = square * dd - dot(aside, aside), along = dot(q, path.motion), root = sqrt(room);
+        const DoubleMask moves = dd > zero;
+        const Doubles when = select(moves, greatest((along - root) * inverse * Doubles(kRounded), zero), zero);
+        const DoubleMask meets = (moves & (room >= zero) & (along + root >= zero)) | ((!moves) & (dot(q, q) <= square));
+        const DoubleMask first = meets & (when <= Doubles(1.0)) & (when < t);
+        if (none(first)) return;
+        t = select(first, when, t);
+        at = select(first, q, at);
+        on = select(first, of_b, on);
+    }
+};
+
+/// A face that A's line sweeps with an edge q, q + u of B.
+struct WideSwept {
+    WideFace face;
+    Doubles rim;
+
+    HWY_INLINE WideSwept(const WidePath& path, const Doubles3& q, const Doubles3& u, const Doubles3& axis)
+        : face(path, q, u, -axis), rim(face.rim_growth()) {}
+    HWY_INLINE WideTouch sweep(const WidePath& path) const {
+        Doubles3 normal = zero3();
+        const Doubles t = face.sweep_face<FaceKind::Parallelogram>(path, normal);
+        const Doubles3 p = path.motion * t - face.q;
+        const Doubles r = dot(cross(p, face.v), face.area) / (face.twice * face.twice);
+        return {t, normal, face.q + face.u * least(greatest(r, Doubles(0.0)), Doubles(1.0))};
+    }
+};
+
+HWY_INLINE WideTouch first_of(const WidePath& path, const WideTouch& faces, const WideRims& rims) {
+    const Doubles3 normal = direction(rims.at - path.motion * rims.t, path, path.motion);
+    return earlier(faces, {rims.t, normal, rims.on});
+}
+
+/// A capsule against the segment q, q + u.
+HWY_INLINE WideTouch sweep_segments(const WidePath& path, const Doubles3& axis, const Doubles3& q, const Doubles3& u, DoubleMask& sure) {
+    const WideSwept side(path, q, u, axis);
+    const WideDirection along_u(path, u), along_axis(path, -axis);
+    sure = sure & along_u.sure() & along_axis.sure();
+    const Doubles rim = path.radius + side.rim, ends = rim + Doubles(kGrowth) * path.size;
+    const Doubles dd = dot(path.motion, path.motion), inverse = Doubles(1.0) / dd;
+    const Doubles3 far = q + u;
+    WideRims rims;
+    rims.segment<true>(along_u, q, rim, q);
+    rims.segment<true>(along_u, q - axis, rim, q);
+    rims.segment<false>(along_axis, q, rim, q);
+    rims.segment<false>(along_axis, far, rim, far);
+    rims.point(path, dd, inverse, q, ends, q);
+    rims.point(path, dd, inverse, q - axis, ends, q);
+    rims.point(path, dd, inverse, far, ends, far);
+    rims.point(path, dd, inverse, far - axis, ends, far);
+    return first_of(path, side.sweep(path), rims);
+}
+
+/// A capsule against a triangle: the prism of the triangle and A's line.
+HWY_INLINE WideTouch sweep_prism(const WidePath& path, const Doubles3& axis, const Doubles3 (&corners)[3], DoubleMask& sure) {
+    const Doubles zero(0.0);
+    const Doubles3 &p = corners[0], &q = corners[1], &r = corners[2], sides[3] = {q - p, r - q, p - r};
+    const Doubles of_c = dot(sides[0], sides[0]), of_a = dot(sides[1], sides[1]), of_b = dot(sides[2], sides[2]);
+    const DoubleMask from_a = (of_a >= of_b) & (of_a >= of_c), from_b = (!from_a) & (of_b >= of_c);
+    const auto chosen = [&](const Doubles3& a, const Doubles3& b, const Doubles3& other) {
+        return select(from_a, a, select(from_b, b, other));
+    };
+    WideFace cap(path, chosen(p, q, r), chosen(sides[0], sides[1], sides[2]), -chosen(sides[2], sides[0], sides[1]));
+    const Doubles3 n = over(cap.area, cap.twice);
+    const Doubles height = -dot(n, cap.q), depth = dot(n, axis);  // of the start over one end, and how far below is the other
+    const DoubleMask thick = abs(depth) > cap.slack;
+    // What a needle's faces tell of the inside is nothing to go by.
+    sure = sure & !cap.needle;
+    DoubleMask inside = thick & select_mask(depth > zero, (height <= zero) & (height + depth >= zero), (height >= zero) & (height + depth <= zero));
+    const WideSwept walls[3] = {{path, p, sides[0], axis}, {path, q, sides[1], axis}, {path, r, sides[2], axis}};
+    Doubles rim_all = cap.rim_growth();
+    const Doubles rim_cap = rim_all;
+    WideTouch first{Doubles(kNoContact), zero3(), zero3()};
+    for (int k = 0; k < 3; ++k) {
+        const WideFace& wall = walls[k].face;
+        const Doubles3& opposite = corners[(k + 2) % 3];
+        sure = sure & !(wall.needle & thick);
+        const Doubles start = -dot(wall.area, wall.q), third = dot(wall.area, opposite - wall.q);
+        inside = inside & select_mask(third > zero, start >= zero, start <= zero);
+        rim_all = greatest(rim_all, walls[k].rim);
+        first = earlier(first, walls[k].sweep(path));
+    }
+    const auto sweep_cap = [&](const Doubles3& by) {
+        WideFace face = cap;
+        face.q = cap.q + by;
+        Doubles3 normal = zero3();
+        const Doubles t = face.sweep_face<FaceKind::Triangle>(path, normal);
+        const Doubles3 at = path.motion * t - by;
+        return WideTouch{t, normal, at - n * dot(n, at - cap.q)};
+    };
+    first = earlier(first, sweep_cap(zero3()));
+    first = earlier(first, sweep_cap(-axis));
+    const WideDirection along_axis(path, -axis);
+    sure = sure & along_axis.sure();
+    const Doubles rim_axis = path.radius + rim_all, ends = rim_axis + Doubles(kGrowth) * path.size;
+    const Doubles dd = dot(path.motion, path.motion), inverse = Doubles(1.0) / dd;
+    WideRims rims;
+    for (int k = 0; k < 3; ++k) {
+        const Doubles3 &at = corners[k], other = at - axis;
+        const WideDirection side(path, sides[k]);
+        sure = sure & side.sure();
+        const Doubles rim = path.radius + greatest(rim_cap, walls[k].rim);
+        rims.segment<true>(side, at, rim, at);
+        rims.segment<true>(side, other, rim, at);
+        rims.segment<false>(along_axis, at, rim_axis, at);
+        rims.point(path, dd, inverse, at, ends, at);
+        rims.point(path, dd, inverse, other, ends, at);
+    }
+    first = first_of(path, first, rims);
+    first.t = select(inside, zero, first.t);
+    return first;
+}
+
+/// Segments of one direction from all corners of a box: sums of what each of the three coordinates adds.
+struct WideEdges : WideDirection {
+    Doubles3 turns[2], backs[2], shares[2];  ///< turns[0].x: of lower.x, and so on
+
+    HWY_INLINE WideEdges(const WidePath& path, const Doubles3& axis, const Doubles3& lower, const Doubles3& upper)
+        : WideDirection(path, axis), turns{zero3(), zero3()}, backs{zero3(), zero3()}, shares{zero3(), zero3()} {
         const auto times = [](const Doubles3& a, const Doubles3& b) { return Doubles3{a.x * b.x, a.y * b.y, a.z * b.z}; };
         turns[0] = times(across, lower), turns[1] = times(across, upper);
         backs[0] = times(back, lower), backs[1] = times(back, upper);
@@ -72,7 +222,7 @@ struct WideRod {
     HWY_INLINE WideTouch sweep_corners(DoubleMask& sure) const {
         const Doubles zero(0.0), one(1.0), never(kNoContact), radius = path.radius + Doubles(2.0) * slack, square = radius * radius;
         const WideEdges edges(path, axis, lower, upper);
-        sure = sure & ((!edges.has) | long_or_none(edges.across));
+        sure = sure & edges.sure();
         const Doubles reach = square * edges.speed_sq;
         Doubles t = never;
         Doubles3 on = zero3();
@@ -145,7 +295,6 @@ struct WideRod {
         const Doubles on_k = low.k + least(greatest(x * inverse, zero), width);
         return {select(has & comes & within, t, never), back<kAxis>({zero, -n_i, -n_j}), back<kAxis>({on_k, q_i, q_j})};
     }
-    static HWY_INLINE DoubleMask select_mask(DoubleMask m, DoubleMask yes, DoubleMask no) { return (m & yes) | ((!m) & no); }
 
     HWY_INLINE WideTouch sweep_end(const Doubles3& by, DoubleMask& sure) const {
         WidePath grown = path;

@@ -194,6 +194,7 @@ TYPED_TEST(SweepBatchOf, RandomPairsAreTheSingleCalls) {
     judge_random<T, geo::Capsule<T>, geo::Capsule<T>>(0xcc);
     judge_random<T, geo::Capsule<T>, geo::Aabb<T>>(0xcab);
     judge_random<T, geo::Capsule<T>, geo::Obb<T>>(0xc0b);
+    judge_random<T, geo::Capsule<T>, geo::Triangle<T>>(0xc74);
 }
 
 /// The radius with which a sphere just touches, found by halving, and those next to it.
@@ -238,6 +239,7 @@ TYPED_TEST(SweepBatchOf, GrazingPairsAreTheSingleCalls) {
     judge_grazing<T, geo::Capsule<T>, geo::Capsule<T>>(0x1cc);
     judge_grazing<T, geo::Capsule<T>, geo::Aabb<T>>(0x1cab);
     judge_grazing<T, geo::Capsule<T>, geo::Obb<T>>(0x1c0b);
+    judge_grazing<T, geo::Capsule<T>, geo::Triangle<T>>(0x1c74);
 }
 
 /// Calls f with every number that a shape consists of.
@@ -316,6 +318,7 @@ TYPED_TEST(SweepBatchOf, BadNumbersAmongGoodOnesAreTheSingleCalls) {
     judge_bad<T, geo::Capsule<T>, geo::Capsule<T>>(0x2cc);
     judge_bad<T, geo::Capsule<T>, geo::Aabb<T>>(0x2cab);
     judge_bad<T, geo::Capsule<T>, geo::Obb<T>>(0x2c0b);
+    judge_bad<T, geo::Capsule<T>, geo::Triangle<T>>(0x2c74);
 }
 
 /// From the smallest sizes and ways that are answered to the largest.
@@ -360,6 +363,7 @@ TEST(SweepBatch, PairsOfAllSizesAreTheSingleCalls) {
     judge_sizes<Rod, geo::Capsule<double>>(0x3cc);
     judge_sizes<Rod, geo::Aabb<double>>(0x3cab);
     judge_sizes<Rod, geo::Obb<double>>(0x3c0b);
+    judge_sizes<Rod, geo::Triangle<double>>(0x3c74);
 }
 
 /// What is left of the last step is not written, and what is before it neither.
