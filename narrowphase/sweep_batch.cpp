@@ -108,6 +108,11 @@ void take(const SweptRows& rows, std::size_t i, BasicImpact<T>& to) noexcept {
     if constexpr (std::is_same_v<B, Cylinder<T>>) to.checks = static_cast<int>(rows.out[SweptRows::kChecks][i]);
 }
 
+/// One pair alone: row by row, which is faster than column by column, since lanes load what was stored as one.
+void fill_step(SweptRows& rows, std::size_t used) noexcept {
+    for (std::size_t row = 0; row < used; ++row) std::fill_n(rows.in[row], SweptRows::kStep, rows.in[row][0]);
+}
+
 /// The call for one pair of which a kernel was not sure.
 template <class A, class B, class T>
 BasicImpact<T> leave(const A& a, const Vec3<T>& motion, const B& b) noexcept {
@@ -127,7 +132,7 @@ void sweep_together(std::span<const A> a, std::span<const Vec3<T>> motions, std:
     SweptRows rows;
     for (std::size_t first = 0; first < a.size(); first += SweptRows::kPairs) {
         const std::size_t count = std::min(a.size() - first, SweptRows::kPairs);
-        const std::size_t filled = (count + SweptRows::kStep - 1) / SweptRows::kStep * SweptRows::kStep;
+        const std::size_t filled = count == 1 ? 1 : (count + SweptRows::kStep - 1) / SweptRows::kStep * SweptRows::kStep;
         SweptCore core{};
         for (std::size_t i = 0; i < filled; ++i) {
             const std::size_t pair = first + std::min(i, count - 1);  // the last fills what is left of its step
@@ -135,6 +140,7 @@ void sweep_together(std::span<const A> a, std::span<const Vec3<T>> motions, std:
             Column(rows, SweptRows::kMotion, i).put(motions[pair]);
             core = put(Column(rows, SweptRows::shape_row(kSweeper<A>), i), b[pair]);
         }
+        if (count == 1) fill_step(rows, SweptRows::shape_row(kSweeper<A>) + sizeof(B) / sizeof(T));
         carom::detail::sweep_lanes(kSweeper<A>, core, rows, filled);
         for (std::size_t i = 0; i < count; ++i) {
             const std::size_t pair = first + i;

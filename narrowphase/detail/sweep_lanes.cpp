@@ -59,6 +59,11 @@ struct Columns {
                                      select(overlaps, Doubles(SweptRows::kOverlapping), Doubles(SweptRows::kSeparated)));
         store(select(sure, state, Doubles(SweptRows::kUnsure)), rows.out[SweptRows::kState] + first);
     }
+    /// Where the point on B is known.
+    HWY_INLINE void answer(Doubles t, const Doubles3& point, const Doubles3& normal) const {
+        const DoubleMask overlaps = t <= Doubles(0.0);
+        answer((t <= Doubles(1.0)) & !overlaps, overlaps, t, point, normal);
+    }
     /// As impact_of() of detail/sweep_frame.hpp.
     HWY_INLINE void answer(Doubles t, const Doubles3& normal) const {
         const DoubleMask overlaps = t <= Doubles(0.0), touches = (t <= Doubles(1.0)) & !overlaps;
@@ -142,8 +147,8 @@ struct CapsuleAtSegment {
         c.sure = c.sure & Columns::usual(a) & Columns::usual(b) & Columns::fit(radius) & long_or_none(c.motion);
         const WidePath path = c.path(c.motion, greatest(length(q), length(q + u)) + length(axis), radius);
         const WideTouch met = sweep_segments(path, axis, q, u, c.sure);
-        const DoubleMask overlaps = met.t <= Doubles(0.0), touches = (met.t <= Doubles(1.0)) & !overlaps;
-        c.answer(touches, overlaps, met.t, c.from + met.on - met.normal * radius, met.normal);
+        const Doubles3 normal = direction(met.gap, path, met.otherwise);
+        c.answer(met.t, c.from + met.on - normal * radius, normal);
     }
 };
 
@@ -172,10 +177,6 @@ struct AtTurnedBox {
     }
 };
 
-HWY_INLINE Doubles3 clamped(const Doubles3& p, const Doubles3& low, const Doubles3& high) {
-    return {least(greatest(p.x, low.x), high.x), least(greatest(p.y, low.y), high.y), least(greatest(p.z, low.z), high.z)};
-}
-
 struct CapsuleAtBox {
     static HWY_INLINE void sweep(Columns& c) {
         const Doubles3 low = c.vector(0), high = c.vector(3), lower = low - c.from, upper = high - c.from, axis = other_end(c) - c.from;
@@ -183,8 +184,7 @@ struct CapsuleAtBox {
                  long_or_none(c.motion);
         const WidePath path = c.path(c.motion, farthest(lower, upper) + length(axis), Doubles(0.0));
         const WideTouch met = WideRod(path, axis, lower, upper).sweep(c.sure);
-        const DoubleMask overlaps = met.t <= Doubles(0.0), touches = (met.t <= Doubles(1.0)) & !overlaps;
-        c.answer(touches, overlaps, met.t, clamped(c.from + met.on, low, high), met.normal);
+        c.answer(met.t, clamped(c.from + met.on, low, high), direction(met.gap, path, met.otherwise));
     }
 };
 
@@ -200,8 +200,8 @@ struct CapsuleAtTurnedBox {
         const Doubles3 lower = -half - from, upper = half - from;
         const WidePath path = c.path(motion, farthest(lower, upper) + length(axis), Doubles(0.0));
         const WideTouch met = WideRod(path, axis, lower, upper).sweep(c.sure);
-        const DoubleMask overlaps = met.t <= Doubles(0.0), touches = (met.t <= Doubles(1.0)) & !overlaps;
-        c.answer(touches, overlaps, met.t, centre + from_box(clamped(from + met.on, -half, half)), from_box(met.normal));
+        const Doubles3 normal = direction(met.gap, path, met.otherwise);
+        c.answer(met.t, centre + from_box(clamped(from + met.on, -half, half)), from_box(normal));
     }
 };
 
@@ -235,8 +235,7 @@ struct CapsuleAtTriangle {
         const Doubles farthest = greatest(greatest(length(corners[0]), length(corners[1])), length(corners[2]));
         const WidePath path = c.path(c.motion, farthest + length(axis), Doubles(0.0));
         const WideTouch met = sweep_prism(path, axis, corners, c.sure);
-        const DoubleMask overlaps = met.t <= Doubles(0.0), touches = (met.t <= Doubles(1.0)) & !overlaps;
-        c.answer(touches, overlaps, met.t, c.from + met.on, met.normal);
+        c.answer(met.t, c.from + met.on, direction(met.gap, path, met.otherwise));
     }
 };
 

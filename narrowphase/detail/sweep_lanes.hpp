@@ -30,7 +30,7 @@ struct SweptRows {
 };
 
 /// Spheres against all of them, capsules against all but tubes.
-/// @param count  a multiple of SweptRows::kStep, at most kPairs: all these columns are filled.
+/// @param count  a multiple of SweptRows::kStep, at most kPairs: all these columns are filled. Or 1: a step is filled, and one group of lanes is answered.
 void sweep_lanes(Sweeper a, SweptCore b, SweptRows& rows, std::size_t count) noexcept;
 
 }  // namespace carom::detail

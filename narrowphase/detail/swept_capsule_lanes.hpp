@@ -17,14 +17,15 @@ namespace carom::detail::HWY_NAMESPACE {
 
 HWY_INLINE DoubleMask select_mask(DoubleMask m, DoubleMask yes, DoubleMask no) { return (m & yes) | ((!m) & no); }
 
-/// @param normal  from A to B; @param on  B's point.
+/// When a part is met. @param gap  towards it, of a length that direction() takes for one; @param otherwise  what is taken where it has none;
+/// @param on  B's point.
 struct WideTouch {
     Doubles t;
-    Doubles3 normal, on;
+    Doubles3 gap, otherwise, on;
 };
 HWY_INLINE WideTouch earlier(const WideTouch& a, const WideTouch& b) {
     const DoubleMask second = b.t < a.t;
-    return {select(second, b.t, a.t), select(second, b.normal, a.normal), select(second, b.on, a.on)};
+    return {select(second, b.t, a.t), select(second, b.gap, a.gap), select(second, b.otherwise, a.otherwise), select(second, b.on, a.on)};
 }
 
 /// Lines of one direction as the moving point sees them, by what is square to it. A line through q is met at the root of a quadratic whose numbers are
@@ -36,7 +37,7 @@ struct WideDirection {
 
     HWY_INLINE WideDirection(const WidePath& path, const Doubles3& u)
         : along(zero3()), across(zero3()), back(zero3()), whole(length(u)), has(whole > Doubles(kShortSegment)), moves(has) {
-        along = over(u, whole);
+        along = u * (Doubles(1.0) / whole);
         across = cross(path.motion, along);
         across = across - along * dot(across, along);  // what rounding left along it would tell as a distance
         back = cross(along, across);
@@ -93,30 +94,75 @@ struct WideRims {
     }
 };
 
-/// A face that A's line sweeps with an edge q, q + u of B.
-struct WideSwept {
-    WideFace face;
-    Doubles rim;
+/// WideFace with two quotients in all, which are what faces cost here. What is met is told by the shares of its sides, both times the square of its area.
+struct WideSide {
+    Doubles3 q, u, v, area, normal;
+    Doubles twice, slack, rim, rim_u, rim_v;
+    DoubleMask needle;
 
-    HWY_INLINE WideSwept(const WidePath& path, const Doubles3& q, const Doubles3& u, const Doubles3& axis)
-        : face(path, q, u, -axis), rim(face.rim_growth()) {}
-    HWY_INLINE WideTouch sweep(const WidePath& path) const {
+    HWY_INLINE WideSide(const WidePath& path, const Doubles3& at, const Doubles3& side_u, const Doubles3& side_v)
+        : q(at), u(side_u), v(side_v), area(cross(u, v)), normal(zero3()), twice(length(area)), needle(twice < twice) {
+        const Doubles zero(0.0), length_u = length(u), length_v = length(v), inverse = Doubles(1.0) / twice, growth(kGrowth);
+        const Doubles product = length_u * length_v, longest = greatest(length_u, length_v);
+        needle = (longest < Doubles(kShortFace)) | !(growth * path.size * product * longest < twice * twice);
+        normal = area * inverse;
+        slack = growth * (product * inverse) * path.size;
+        rim = Doubles(2.0) * slack;
+        if (!none(needle)) {  // as SweepFace::rim_growth()
+            const Doubles width = select(longest > zero, twice / longest + growth * least(length_u, length_v), zero);
+            rim = select(needle, width, rim);
+        }
+        rim_u = slack * twice * length_u, rim_v = slack * twice * length_v;
+    }
+    /// As WideFace::sweep_face(). @param by  from the face to where it is swept; @param r  the share of u, times the square of the area.
+    template <FaceKind kKind>
+    HWY_INLINE Doubles sweep(const WidePath& path, const Doubles3& at, Doubles3& towards, Doubles& r) const {
+        const Doubles zero(0.0), radius = path.radius + Doubles(0.5) * slack, over_face = -dot(normal, at);
+        const DoubleMask below = over_face < zero;
+        towards = select(below, normal, -normal);
+        const Doubles height = select(below, -over_face, over_face), fall = dot(towards, path.motion);
+        const DoubleMask above = height > radius;
+        const Doubles reached = (height - radius) / fall * Doubles(kRounded), t = select(above, reached, zero);
+        const DoubleMask comes = (!above) | ((fall > zero) & (reached <= Doubles(1.0)));
+        const Doubles3 p = path.motion * t - at;
+        r = dot(cross(p, v), area);
+        const Doubles s = dot(cross(u, p), area), whole = twice * twice;
+        const DoubleMask within_both =
+            kKind == FaceKind::Triangle ? r + s <= whole + rim_v + rim_u : (r <= whole + rim_v) & (s <= whole + rim_u);
+        const DoubleMask inside = (r >= -rim_v) & (s >= -rim_u) & within_both;
+        return select((!needle) & comes & inside, t, Doubles(kNoContact));
+    }
+};
+
+/// The first of the faces that A's line sweeps with edges of B.
+struct WideSides {
+    Doubles t, share, whole;
+    Doubles3 towards, q, u;
+
+    HWY_INLINE WideSides() : t(kNoContact), share(0.0), whole(1.0), towards(zero3()), q(zero3()), u(zero3()) {}
+    HWY_INLINE void sweep(const WidePath& path, const WideSide& side) {
         Doubles3 normal = zero3();
-        const Doubles t = face.sweep_face<FaceKind::Parallelogram>(path, normal);
-        const Doubles3 p = path.motion * t - face.q;
-        const Doubles r = dot(cross(p, face.v), face.area) / (face.twice * face.twice);
-        return {t, normal, face.q + face.u * least(greatest(r, Doubles(0.0)), Doubles(1.0))};
+        Doubles r(0.0);
+        const Doubles when = side.sweep<FaceKind::Parallelogram>(path, side.q, normal, r);
+        const DoubleMask first = when < t;
+        t = select(first, when, t), share = select(first, r, share), whole = select(first, side.twice * side.twice, whole);
+        towards = select(first, normal, towards), q = select(first, side.q, q), u = select(first, side.u, u);
+    }
+    HWY_INLINE WideTouch touch(const WidePath& path) const {
+        const Doubles of_u = least(greatest(share / whole, Doubles(0.0)), Doubles(1.0));
+        return {t, towards * path.size, path.motion, q + u * of_u};
     }
 };
 
 HWY_INLINE WideTouch first_of(const WidePath& path, const WideTouch& faces, const WideRims& rims) {
-    const Doubles3 normal = direction(rims.at - path.motion * rims.t, path, path.motion);
-    return earlier(faces, {rims.t, normal, rims.on});
+    return earlier(faces, {rims.t, rims.at - path.motion * rims.t, path.motion, rims.on});
 }
 
 /// A capsule against the segment q, q + u.
 HWY_INLINE WideTouch sweep_segments(const WidePath& path, const Doubles3& axis, const Doubles3& q, const Doubles3& u, DoubleMask& sure) {
-    const WideSwept side(path, q, u, axis);
+    const WideSide side(path, q, u, -axis);
+    WideSides sides;
+    sides.sweep(path, side);
     const WideDirection along_u(path, u), along_axis(path, -axis);
     sure = sure & along_u.sure() & along_axis.sure();
     const Doubles rim = path.radius + side.rim, ends = rim + Doubles(kGrowth) * path.size;
@@ -131,7 +177,7 @@ HWY_INLINE WideTouch sweep_segments(const WidePath& path, const Doubles3& axis, 
     rims.point(path, dd, inverse, q - axis, ends, q);
     rims.point(path, dd, inverse, far, ends, far);
     rims.point(path, dd, inverse, far - axis, ends, far);
-    return first_of(path, side.sweep(path), rims);
+    return first_of(path, sides.touch(path), rims);
 }
 
 /// A capsule against a triangle: the prism of the triangle and A's line.
@@ -143,36 +189,31 @@ HWY_INLINE WideTouch sweep_prism(const WidePath& path, const Doubles3& axis, con
     const auto chosen = [&](const Doubles3& a, const Doubles3& b, const Doubles3& other) {
         return select(from_a, a, select(from_b, b, other));
     };
-    WideFace cap(path, chosen(p, q, r), chosen(sides[0], sides[1], sides[2]), -chosen(sides[2], sides[0], sides[1]));
-    const Doubles3 n = over(cap.area, cap.twice);
+    const WideSide cap(path, chosen(p, q, r), chosen(sides[0], sides[1], sides[2]), -chosen(sides[2], sides[0], sides[1]));
+    const Doubles3& n = cap.normal;
     const Doubles height = -dot(n, cap.q), depth = dot(n, axis);  // of the start over one end, and how far below is the other
     const DoubleMask thick = abs(depth) > cap.slack;
-    // What a needle's faces tell of the inside is nothing to go by.
     sure = sure & !cap.needle;
     DoubleMask inside = thick & select_mask(depth > zero, (height <= zero) & (height + depth >= zero), (height >= zero) & (height + depth <= zero));
-    const WideSwept walls[3] = {{path, p, sides[0], axis}, {path, q, sides[1], axis}, {path, r, sides[2], axis}};
-    Doubles rim_all = cap.rim_growth();
-    const Doubles rim_cap = rim_all;
-    WideTouch first{Doubles(kNoContact), zero3(), zero3()};
+    const WideSide walls[3] = {{path, p, sides[0], -axis}, {path, q, sides[1], -axis}, {path, r, sides[2], -axis}};
+    Doubles rim_all = cap.rim;
+    WideSides faces;
     for (int k = 0; k < 3; ++k) {
-        const WideFace& wall = walls[k].face;
-        const Doubles3& opposite = corners[(k + 2) % 3];
-        sure = sure & !(wall.needle & thick);
-        const Doubles start = -dot(wall.area, wall.q), third = dot(wall.area, opposite - wall.q);
+        const WideSide& wall = walls[k];
+        sure = sure & !(wall.needle & thick);  // what a needle tells of the inside is nothing to go by
+        const Doubles start = -dot(wall.area, wall.q), third = dot(wall.area, corners[(k + 2) % 3] - wall.q);
         inside = inside & select_mask(third > zero, start >= zero, start <= zero);
-        rim_all = greatest(rim_all, walls[k].rim);
-        first = earlier(first, walls[k].sweep(path));
+        rim_all = greatest(rim_all, wall.rim);
+        faces.sweep(path, wall);
     }
-    const auto sweep_cap = [&](const Doubles3& by) {
-        WideFace face = cap;
-        face.q = cap.q + by;
-        Doubles3 normal = zero3();
-        const Doubles t = face.sweep_face<FaceKind::Triangle>(path, normal);
-        const Doubles3 at = path.motion * t - by;
-        return WideTouch{t, normal, at - n * dot(n, at - cap.q)};
-    };
-    first = earlier(first, sweep_cap(zero3()));
-    first = earlier(first, sweep_cap(-axis));
+    // The nearer end. Where they lie in one plane, what one of them leaves out of the other an edge sweeps.
+    const Doubles3 by = select(abs(height + depth) < abs(height), -axis, zero3());
+    Doubles3 towards = zero3();
+    Doubles share(0.0);
+    const Doubles on_cap = cap.sweep<FaceKind::Triangle>(path, cap.q + by, towards, share);
+    const Doubles3 below = path.motion * on_cap - by;
+    WideTouch first =
+        earlier(faces.touch(path), {on_cap, towards * path.size, path.motion, below - n * dot(n, below - cap.q)});
     const WideDirection along_axis(path, -axis);
     sure = sure & along_axis.sure();
     const Doubles rim_axis = path.radius + rim_all, ends = rim_axis + Doubles(kGrowth) * path.size;
@@ -182,7 +223,7 @@ HWY_INLINE WideTouch sweep_prism(const WidePath& path, const Doubles3& axis, con
         const Doubles3 &at = corners[k], other = at - axis;
         const WideDirection side(path, sides[k]);
         sure = sure & side.sure();
-        const Doubles rim = path.radius + greatest(rim_cap, walls[k].rim);
+        const Doubles rim = path.radius + greatest(cap.rim, walls[k].rim);
         rims.segment<true>(side, at, rim, at);
         rims.segment<true>(side, other, rim, at);
         rims.segment<false>(along_axis, at, rim_axis, at);
@@ -210,6 +251,11 @@ struct WideEdges : WideDirection {
     }
 };
 
+HWY_INLINE Doubles3 clamped(const Doubles3& p, const Doubles3& low, const Doubles3& high) {
+    return {least(greatest(p.x, low.x), high.x), least(greatest(p.y, low.y), high.y), least(greatest(p.z, low.z), high.z)};
+}
+
+/// A capsule against a box.
 struct WideRod {
     WidePath path;
     Doubles3 axis, lower, upper;
@@ -246,9 +292,8 @@ struct WideRod {
             t = select(first, when, t);
             on = select(first, q, on);
         }
-        const Doubles3 gap = on - path.motion * t;  // and back along the line
-        const Doubles3 straight = gap - edges.along * dot(gap, edges.along);
-        return {t, direction(straight, path, path.motion), on};
+        const Doubles3 gap = on - path.motion * t;
+        return {t, gap - edges.along * dot(gap, edges.along), path.motion, on};
     }
 
     /// Numbers in the order of an edge's direction and the two others.
@@ -293,17 +338,17 @@ struct WideRod {
         const Doubles margin = slack * whole;
         const DoubleMask within = (y >= -slack) & (y <= wide + slack) & (x >= -margin) & (x <= width * wide + margin);
         const Doubles on_k = low.k + least(greatest(x * inverse, zero), width);
-        return {select(has & comes & within, t, never), back<kAxis>({zero, -n_i, -n_j}), back<kAxis>({on_k, q_i, q_j})};
+        return {select(has & comes & within, t, never), back<kAxis>({zero, -n_i * path.size, -n_j * path.size}), path.motion,
+                back<kAxis>({on_k, q_i, q_j})};
     }
 
     HWY_INLINE WideTouch sweep_end(const Doubles3& by, DoubleMask& sure) const {
         WidePath grown = path;
         grown.radius = path.radius + Doubles(3.0) * slack;
         const Doubles3 low = lower + by, high = upper + by;
-        const Meeting met = sweep_box(grown, low, high, sure);
+        const BoxMeeting met = meet_box(grown, low, high, sure);
         const Doubles3 p = path.motion * met.t - by;
-        return {met.t, met.normal,
-                {least(greatest(p.x, lower.x), upper.x), least(greatest(p.y, lower.y), upper.y), least(greatest(p.z, lower.z), upper.z)}};
+        return {met.t, select(met.straight, met.face * path.size, met.gap), met.last, clamped(p, lower, upper)};
     }
 
     HWY_INLINE WideTouch sweep(DoubleMask& sure) const {
