@@ -126,9 +126,9 @@ CAROM_BOTH(Sphere, Cylinder)
 CAROM_BOTH(Capsule, Plane)
 CAROM_BOTH(Capsule, Sphere)
 CAROM_BOTH(Capsule, Capsule)
-BENCHMARK(single<geo::Capsule<double>, geo::Aabb<double>, double>);
-BENCHMARK(single<geo::Capsule<double>, geo::Obb<double>, double>);
-BENCHMARK(single<geo::Capsule<double>, geo::Triangle<double>, double>);
+CAROM_BOTH(Capsule, Aabb)
+CAROM_BOTH(Capsule, Obb)
+CAROM_BOTH(Capsule, Triangle)
 BENCHMARK(single<geo::Capsule<double>, geo::Cylinder<double>, double>);
 
 dvec3 direction(Random& random) {

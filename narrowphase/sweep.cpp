@@ -164,6 +164,13 @@ bool all_fit(const A& a, const Vec3<T>& motion, const B& b) noexcept {
     return fit(a) && fit(b) && usual_vector(motion);
 }
 
+template <class A, class B, class T>
+BasicImpact<T> batch_of_one(const A& a, const Vec3<T>& motion, const B& b) noexcept {
+    BasicImpact<T> out;
+    sweep_together<A, B, T>(std::span(&a, 1), std::span(&motion, 1), std::span(&b, 1), std::span(&out, 1));
+    return out;
+}
+
 }  // namespace
 
 template <class T>
@@ -218,7 +225,7 @@ BasicImpact<T> sweep(const Capsule<T>& a, const Vec3<T>& motion, const Sphere<T>
 }
 
 template <class T>
-BasicImpact<T> sweep(const Capsule<T>& a, const Vec3<T>& motion, const Capsule<T>& b) noexcept {
+BasicImpact<T> sweep_by_parts(const Capsule<T>& a, const Vec3<T>& motion, const Capsule<T>& b) noexcept {
     if (!all_fit(a, motion, b)) return rounded<T>(kInvalidImpact);
     const SweepFrame frame{dvec3(a.axis.a), dvec3(motion), double(a.radius), double(b.radius)};
     const dvec3 axis = dvec3(a.axis.b) - dvec3(a.axis.a);
@@ -230,13 +237,13 @@ BasicImpact<T> sweep(const Capsule<T>& a, const Vec3<T>& motion, const Capsule<T
 }
 
 template <class T>
-BasicImpact<T> sweep(const Capsule<T>& a, const Vec3<T>& motion, const Aabb<T>& b) noexcept {
+BasicImpact<T> sweep_by_parts(const Capsule<T>& a, const Vec3<T>& motion, const Aabb<T>& b) noexcept {
     if (!all_fit(a, motion, b)) return rounded<T>(kInvalidImpact);
     return rounded<T>(capsule_sweep(widened(a), dvec3(motion), widened(b)));
 }
 
 template <class T>
-BasicImpact<T> sweep(const Capsule<T>& a, const Vec3<T>& motion, const Obb<T>& b) noexcept {
+BasicImpact<T> sweep_by_parts(const Capsule<T>& a, const Vec3<T>& motion, const Obb<T>& b) noexcept {
     if (!all_fit(a, motion, b)) return rounded<T>(kInvalidImpact);
     const dvec3 from = dvec3(a.axis.a) - dvec3(b.center), to = dvec3(a.axis.b) - dvec3(b.center);
     const Capsule<double> inside{{in_box(b, from), in_box(b, to)}, double(a.radius)};
@@ -245,9 +252,26 @@ BasicImpact<T> sweep(const Capsule<T>& a, const Vec3<T>& motion, const Obb<T>& b
 }
 
 template <class T>
-BasicImpact<T> sweep(const Capsule<T>& a, const Vec3<T>& motion, const Triangle<T>& b) noexcept {
+BasicImpact<T> sweep_by_parts(const Capsule<T>& a, const Vec3<T>& motion, const Triangle<T>& b) noexcept {
     if (!all_fit(a, motion, b)) return rounded<T>(kInvalidImpact);
     return rounded<T>(capsule_sweep(widened(a), dvec3(motion), widened(b)));
+}
+
+template <class T>
+BasicImpact<T> sweep(const Capsule<T>& a, const Vec3<T>& motion, const Capsule<T>& b) noexcept {
+    return batch_of_one(a, motion, b);
+}
+template <class T>
+BasicImpact<T> sweep(const Capsule<T>& a, const Vec3<T>& motion, const Aabb<T>& b) noexcept {
+    return batch_of_one(a, motion, b);
+}
+template <class T>
+BasicImpact<T> sweep(const Capsule<T>& a, const Vec3<T>& motion, const Obb<T>& b) noexcept {
+    return batch_of_one(a, motion, b);
+}
+template <class T>
+BasicImpact<T> sweep(const Capsule<T>& a, const Vec3<T>& motion, const Triangle<T>& b) noexcept {
+    return batch_of_one(a, motion, b);
 }
 
 template <class T>
@@ -259,6 +283,14 @@ BasicImpact<T> sweep(const Aabb<T>& a, const Vec3<T>& motion, const Aabb<T>& b) 
     return rounded<T>(box_sweep(frame, core, Aabb<double>{dvec3(a.lower), dvec3(a.upper)}, widened(b)));
 }
 
+#define CAROM_BY_PARTS(B)                                                                                            \
+    template BasicImpact<float> sweep_by_parts(const Capsule<float>&, const Vec3<float>&, const B<float>&) noexcept; \
+    template BasicImpact<double> sweep_by_parts(const Capsule<double>&, const Vec3<double>&, const B<double>&) noexcept;
+CAROM_BY_PARTS(Capsule)
+CAROM_BY_PARTS(Aabb)
+CAROM_BY_PARTS(Obb)
+CAROM_BY_PARTS(Triangle)
+#undef CAROM_BY_PARTS
 #define CAROM_SWEEPS(A, B)                                                                            \
     template BasicImpact<float> sweep(const A<float>&, const Vec3<float>&, const B<float>&) noexcept; \
     template BasicImpact<double> sweep(const A<double>&, const Vec3<double>&, const B<double>&) noexcept;

@@ -94,18 +94,9 @@ T time_of(double exact) noexcept {
     }
 }
 
-/// Where two capsules that touch are nearest, which kernels leave out.
-template <class T>
-dvec3 point_of(const SweptRows& rows, std::size_t i, const Capsule<T>& a, const Vec3<T>& motion, const Capsule<T>& b) noexcept {
-    const dvec3 from(a.axis.a), at = from + rows.out[SweptRows::kTime][i] * dvec3(motion);
-    const dvec3 normal{rows.out[SweptRows::kNormal][i], rows.out[SweptRows::kNormal + 1][i], rows.out[SweptRows::kNormal + 2][i]};
-    const Segment<double> axis{dvec3(b.axis.a), dvec3(b.axis.b)};
-    return nearest_under(at, dvec3(a.axis.b) - from, axis) - double(b.radius) * normal;
-}
-
 /// Number by number: what has just been stored by eights is slow to copy by sixteens.
-template <class A, class B, class T>
-void take(const SweptRows& rows, std::size_t i, const A& a, const Vec3<T>& motion, const B& b, BasicImpact<T>& to) noexcept {
+template <class B, class T>
+void take(const SweptRows& rows, std::size_t i, BasicImpact<T>& to) noexcept {
     to.status = static_cast<ImpactStatus>(static_cast<int>(rows.out[SweptRows::kState][i]));
     to.t = time_of<T>(rows.out[SweptRows::kTime][i]);
     for (int k = 0; k < 3; ++k) {
@@ -115,8 +106,20 @@ void take(const SweptRows& rows, std::size_t i, const A& a, const Vec3<T>& motio
     }
     to.checks = 0;
     if constexpr (std::is_same_v<B, Cylinder<T>>) to.checks = static_cast<int>(rows.out[SweptRows::kChecks][i]);
-    if constexpr (std::is_same_v<A, Capsule<T>> && std::is_same_v<B, Capsule<T>>) {
-        if (to.status == ImpactStatus::Touching) to.point = Vec3<T>(point_of(rows, i, a, motion, b));
+}
+
+/// One pair alone: row by row, which is faster than column by column, since lanes load what was stored as one.
+void fill_step(SweptRows& rows, std::size_t used) noexcept {
+    for (std::size_t row = 0; row < used; ++row) std::fill_n(rows.in[row], SweptRows::kStep, rows.in[row][0]);
+}
+
+/// The call for one pair of which a kernel was not sure.
+template <class A, class B, class T>
+BasicImpact<T> leave(const A& a, const Vec3<T>& motion, const B& b) noexcept {
+    if constexpr (kSweptAsBatch<A, B, T>) {
+        return sweep_by_parts(a, motion, b);
+    } else {
+        return sweep(a, motion, b);
     }
 }
 
@@ -129,7 +132,7 @@ void sweep_together(std::span<const A> a, std::span<const Vec3<T>> motions, std:
     SweptRows rows;
     for (std::size_t first = 0; first < a.size(); first += SweptRows::kPairs) {
         const std::size_t count = std::min(a.size() - first, SweptRows::kPairs);
-        const std::size_t filled = (count + SweptRows::kStep - 1) / SweptRows::kStep * SweptRows::kStep;
+        const std::size_t filled = count == 1 ? 1 : (count + SweptRows::kStep - 1) / SweptRows::kStep * SweptRows::kStep;
         SweptCore core{};
         for (std::size_t i = 0; i < filled; ++i) {
             const std::size_t pair = first + std::min(i, count - 1);  // the last fills what is left of its step
@@ -137,13 +140,14 @@ void sweep_together(std::span<const A> a, std::span<const Vec3<T>> motions, std:
             Column(rows, SweptRows::kMotion, i).put(motions[pair]);
             core = put(Column(rows, SweptRows::shape_row(kSweeper<A>), i), b[pair]);
         }
+        if (count == 1) fill_step(rows, SweptRows::shape_row(kSweeper<A>) + sizeof(B) / sizeof(T));
         carom::detail::sweep_lanes(kSweeper<A>, core, rows, filled);
         for (std::size_t i = 0; i < count; ++i) {
             const std::size_t pair = first + i;
             if (rows.out[SweptRows::kState][i] == SweptRows::kUnsure) {
-                out[pair] = sweep(a[pair], motions[pair], b[pair]);
+                out[pair] = leave(a[pair], motions[pair], b[pair]);
             } else {
-                take(rows, i, a[pair], motions[pair], b[pair], out[pair]);
+                take<B>(rows, i, out[pair]);
             }
         }
     }
@@ -164,6 +168,9 @@ CAROM_SWEPT(Sphere, Cylinder)
 CAROM_SWEPT(Capsule, Plane)
 CAROM_SWEPT(Capsule, Sphere)
 CAROM_SWEPT(Capsule, Capsule)
+CAROM_SWEPT(Capsule, Aabb)
+CAROM_SWEPT(Capsule, Obb)
+CAROM_SWEPT(Capsule, Triangle)
 #undef CAROM_SWEPT
 #undef CAROM_SWEPT_OF
 

@@ -107,4 +107,17 @@ template <class T, class Make>
     }
 }
 
+/// Capsules against what has edges: the single call is a batch of one, and what a kernel is not sure of goes part by part.
+template <class A, class B, class T>
+inline constexpr bool kSweptAsBatch = std::is_same_v<A, Capsule<T>> && (std::is_same_v<B, Capsule<T>> || std::is_same_v<B, Aabb<T>> ||
+                                                                        std::is_same_v<B, Obb<T>> || std::is_same_v<B, Triangle<T>>);
+template <class T>
+[[nodiscard]] BasicImpact<T> sweep_by_parts(const Capsule<T>& a, const Vec3<T>& motion, const Capsule<T>& b) noexcept;
+template <class T>
+[[nodiscard]] BasicImpact<T> sweep_by_parts(const Capsule<T>& a, const Vec3<T>& motion, const Aabb<T>& b) noexcept;
+template <class T>
+[[nodiscard]] BasicImpact<T> sweep_by_parts(const Capsule<T>& a, const Vec3<T>& motion, const Obb<T>& b) noexcept;
+template <class T>
+[[nodiscard]] BasicImpact<T> sweep_by_parts(const Capsule<T>& a, const Vec3<T>& motion, const Triangle<T>& b) noexcept;
+
 }  // namespace carom::geo

@@ -6,7 +6,7 @@
 #include <carom/core/lanes_doubles.hpp>
 #include <carom/narrowphase/detail/sweep_lanes.hpp>
 #include <carom/narrowphase/detail/sweep_parts.hpp>
-#include <carom/narrowphase/detail/swept_parts_lanes.hpp>
+#include <carom/narrowphase/detail/swept_capsule_lanes.hpp>
 
 HWY_BEFORE_NAMESPACE();
 namespace carom::detail::HWY_NAMESPACE {
@@ -59,17 +59,16 @@ struct Columns {
                                      select(overlaps, Doubles(SweptRows::kOverlapping), Doubles(SweptRows::kSeparated)));
         store(select(sure, state, Doubles(SweptRows::kUnsure)), rows.out[SweptRows::kState] + first);
     }
+    /// Where the point on B is known.
+    HWY_INLINE void answer(Doubles t, const Doubles3& point, const Doubles3& normal) const {
+        const DoubleMask overlaps = t <= Doubles(0.0);
+        answer((t <= Doubles(1.0)) & !overlaps, overlaps, t, point, normal);
+    }
     /// As impact_of() of detail/sweep_frame.hpp.
     HWY_INLINE void answer(Doubles t, const Doubles3& normal) const {
         const DoubleMask overlaps = t <= Doubles(0.0), touches = (t <= Doubles(1.0)) & !overlaps;
         answer(touches, overlaps, t, (from + motion * t) + normal * radius, normal);
     }
-};
-
-/// When a part is first met, and the way towards it then.
-struct Meeting {
-    Doubles t;
-    Doubles3 normal;
 };
 
 /// The other end of a capsule's axis.
@@ -128,21 +127,6 @@ struct AtSegment {
     }
 };
 
-// As sweep_edges() of sweep.cpp.
-HWY_INLINE Meeting sweep_edges(const WidePath& path, const Doubles3& axis, const Doubles3& q, const Doubles3& u, DoubleMask& sure) {
-    const Doubles3 back = -axis;
-    const WideFace face(path, q, u, back);
-    const Doubles rim = path.radius + face.rim_growth();
-    Doubles3 normal = zero3();
-    const Doubles on_face = face.sweep_face<FaceKind::Parallelogram>(path, normal);
-    WideMeeting met{on_face, zero3()};
-    met = earlier(met, sweep_segment(path, rim, q, u, sure));
-    met = earlier(met, sweep_segment(path, rim, q - axis, u, sure));
-    met = earlier(met, sweep_segment(path, rim, q, back, sure));
-    met = earlier(met, sweep_segment(path, rim, q + u, back, sure));
-    return {met.t, select(met.t < on_face, direction(met.gap, path, path.motion), normal)};
-}
-
 struct CapsuleAtPoint {
     static HWY_INLINE void sweep(Columns& c) {
         const Doubles3 centre = c.vector(0), q = centre - c.from, axis = other_end(c) - c.from;
@@ -162,40 +146,11 @@ struct CapsuleAtSegment {
         const Doubles radius = c.number(6);
         c.sure = c.sure & Columns::usual(a) & Columns::usual(b) & Columns::fit(radius) & long_or_none(c.motion);
         const WidePath path = c.path(c.motion, greatest(length(q), length(q + u)) + length(axis), radius);
-        const Meeting met = sweep_edges(path, axis, q, u, c.sure);
-        c.answer(met.t, met.normal);
+        const WideTouch met = sweep_segments(path, axis, q, u, c.sure);
+        const Doubles3 normal = direction(met.gap, path, met.otherwise);
+        c.answer(met.t, c.from + met.on - normal * radius, normal);
     }
 };
-
-// As sweep_box() of sweep_parts.cpp.
-HWY_INLINE Meeting sweep_box(const WidePath& path, const Doubles3& lower, const Doubles3& upper, DoubleMask& sure) {
-    const Doubles zero(0.0), one(1.0), never(kNoContact);
-    const Doubles3& d = path.motion;
-    const WideSlabs slabs{{d.x, lower.x, upper.x, path.radius}, {d.y, lower.y, upper.y, path.radius}, {d.z, lower.z, upper.z, path.radius}};
-    const WideSlab &x = slabs.x, &y = slabs.y, &z = slabs.z;
-    const Doubles reaches = greatest(greatest(x.reaches, y.reaches), z.reaches);
-    const Doubles leaves = least(least(least(one, x.leaves), y.leaves), z.leaves) * Doubles(2.0 - kRounded);
-    const Doubles from = greatest(zero, reaches * Doubles(kRounded));
-    const DoubleMask comes = sure & (from <= leaves);
-    if (none(comes)) return {never, zero3()};
-    const DoubleMask by_x = reaches == x.reaches, by_y = (!by_x) & (reaches == y.reaches), by_z = !(by_x | by_y);
-    const DoubleMask in_x = x.holds(reaches), in_y = y.holds(reaches), in_z = z.holds(reaches);
-    const DoubleMask straight = comes & (reaches > zero) & ((by_x & in_y & in_z) | (by_y & in_z & in_x) | (by_z & in_x & in_y));
-    const auto towards = [&](DoubleMask by, const WideSlab& s) { return select(by, select(s.speed > zero, one, -one), zero); };
-    const Doubles3 face{towards(by_x, x), towards(by_y, y), towards(by_z, z)};
-    const DoubleMask slanted = comes & !straight;
-    Doubles t = select(straight, from, never);
-    if (none(slanted)) return {t, face};
-    t = select(straight, t, slabs.sweep_pieces(path, from, least(leaves, one), slanted, sure));
-    const Doubles3 p = d * t;
-    const Doubles3 gap = Doubles3{x.clamped(p.x), y.clamped(p.y), z.clamped(p.z)} - p;
-    return {t, select(straight, face, direction(gap, path, slabs.last_face()))};
-}
-
-HWY_INLINE Doubles farthest(const Doubles3& lower, const Doubles3& upper) {
-    const Doubles3 a = abs(lower), b = abs(upper);
-    return length(Doubles3{greatest(a.x, b.x), greatest(a.y, b.y), greatest(a.z, b.z)});
-}
 
 struct AtBox {
     static HWY_INLINE void sweep(Columns& c) {
@@ -222,6 +177,34 @@ struct AtTurnedBox {
     }
 };
 
+struct CapsuleAtBox {
+    static HWY_INLINE void sweep(Columns& c) {
+        const Doubles3 low = c.vector(0), high = c.vector(3), lower = low - c.from, upper = high - c.from, axis = other_end(c) - c.from;
+        c.sure = c.sure & Columns::usual(low) & Columns::usual(high) & (low.x <= high.x) & (low.y <= high.y) & (low.z <= high.z) &
+                 long_or_none(c.motion);
+        const WidePath path = c.path(c.motion, farthest(lower, upper) + length(axis), Doubles(0.0));
+        const WideTouch met = WideRod(path, axis, lower, upper).sweep(c.sure);
+        c.answer(met.t, clamped(c.from + met.on, low, high), direction(met.gap, path, met.otherwise));
+    }
+};
+
+struct CapsuleAtTurnedBox {
+    static HWY_INLINE void sweep(Columns& c) {
+        const Doubles3 centre = c.vector(0), half = c.vector(3), x = c.vector(6), y = c.vector(9), z = c.vector(12);
+        const auto in_box = [&](const Doubles3& v) { return Doubles3{dot(x, v), dot(y, v), dot(z, v)}; };
+        const auto from_box = [&](const Doubles3& v) { return (x * v.x + y * v.y) + z * v.z; };
+        const Doubles3 from = in_box(c.from - centre), axis = in_box(other_end(c) - centre) - from, motion = in_box(c.motion);
+        c.sure = c.sure & Columns::usual(centre) & Columns::fit(half.x) & Columns::fit(half.y) & Columns::fit(half.z) & Columns::usual(x) &
+                 Columns::usual(y) & Columns::usual(z) & Columns::usual(from) & Columns::usual(axis) & Columns::usual(motion) &
+                 long_or_none(motion);
+        const Doubles3 lower = -half - from, upper = half - from;
+        const WidePath path = c.path(motion, farthest(lower, upper) + length(axis), Doubles(0.0));
+        const WideTouch met = WideRod(path, axis, lower, upper).sweep(c.sure);
+        const Doubles3 normal = direction(met.gap, path, met.otherwise);
+        c.answer(met.t, centre + from_box(clamped(from + met.on, -half, half)), from_box(normal));
+    }
+};
+
 struct AtTriangle {
     static HWY_INLINE void sweep(Columns& c) {
         const Doubles3 at_a = c.vector(0), at_b = c.vector(3), at_c = c.vector(6);
@@ -241,6 +224,18 @@ struct AtTriangle {
         WideMeeting met{on_face, zero3()};
         for (int k = 0; k < 3; ++k) met = earlier(met, sweep_segment(path, rim, corners[k], sides[k], c.sure));
         c.answer(met.t, select(met.t < on_face, direction(met.gap, path, path.motion), normal));
+    }
+};
+
+struct CapsuleAtTriangle {
+    static HWY_INLINE void sweep(Columns& c) {
+        const Doubles3 at_a = c.vector(0), at_b = c.vector(3), at_c = c.vector(6), axis = other_end(c) - c.from;
+        c.sure = c.sure & Columns::usual(at_a) & Columns::usual(at_b) & Columns::usual(at_c) & long_or_none(c.motion);
+        const Doubles3 corners[3] = {at_a - c.from, at_b - c.from, at_c - c.from};
+        const Doubles farthest = greatest(greatest(length(corners[0]), length(corners[1])), length(corners[2]));
+        const WidePath path = c.path(c.motion, farthest + length(axis), Doubles(0.0));
+        const WideTouch met = sweep_prism(path, axis, corners, c.sure);
+        c.answer(met.t, c.from + met.on, direction(met.gap, path, met.otherwise));
     }
 };
 
@@ -328,11 +323,11 @@ void SweepLanes(Sweeper a, SweptCore b, SweptRows& rows, std::size_t count) {
         case SweptCore::Segment:
             return sphere ? run<AtSegment>(a, rows, count) : run<CapsuleAtSegment>(a, rows, count);
         case SweptCore::Box:
-            return run<AtBox>(a, rows, count);
+            return sphere ? run<AtBox>(a, rows, count) : run<CapsuleAtBox>(a, rows, count);
         case SweptCore::TurnedBox:
-            return run<AtTurnedBox>(a, rows, count);
+            return sphere ? run<AtTurnedBox>(a, rows, count) : run<CapsuleAtTurnedBox>(a, rows, count);
         case SweptCore::Triangle:
-            return run<AtTriangle>(a, rows, count);
+            return sphere ? run<AtTriangle>(a, rows, count) : run<CapsuleAtTriangle>(a, rows, count);
         case SweptCore::Tube:
             return run<AtTube>(a, rows, count);
     }

@@ -16,7 +16,7 @@ enum class SweptCore : unsigned char { Plane, Point, Segment, Box, TurnedBox, Tr
 /// One pair a column.
 struct SweptRows {
     static constexpr std::size_t kPairs = 64, kStep = 8;  ///< the most at once; the widest of all targets
-    static constexpr std::size_t kInput = 22, kOutput = 9;
+    static constexpr std::size_t kInput = 25, kOutput = 9;
     // The moving sphere's centre, or one end of the capsule's axis, its radius and motion, and the axis' other end; then B's numbers in the order of
     // its members; of boxes that turn the axes come last.
     static constexpr std::size_t kRadius = 3, kMotion = 4, kEnd = 7;
@@ -29,8 +29,8 @@ struct SweptRows {
     alignas(64) double out[kOutput][kPairs];
 };
 
-/// Spheres against all of them, capsules against planes, points and segments; of the latter the point is left out.
-/// @param count  a multiple of SweptRows::kStep, at most kPairs: all these columns are filled.
+/// Spheres against all of them, capsules against all but tubes.
+/// @param count  a multiple of SweptRows::kStep, at most kPairs: all these columns are filled. Or 1: a step is filled, and one group of lanes is answered.
 void sweep_lanes(Sweeper a, SweptCore b, SweptRows& rows, std::size_t count) noexcept;
 
 }  // namespace carom::detail

@@ -192,6 +192,9 @@ TYPED_TEST(SweepBatchOf, RandomPairsAreTheSingleCalls) {
     judge_random<T, geo::Capsule<T>, geo::Plane<T>>(0xc9);
     judge_random<T, geo::Capsule<T>, geo::Sphere<T>>(0xc5);
     judge_random<T, geo::Capsule<T>, geo::Capsule<T>>(0xcc);
+    judge_random<T, geo::Capsule<T>, geo::Aabb<T>>(0xcab);
+    judge_random<T, geo::Capsule<T>, geo::Obb<T>>(0xc0b);
+    judge_random<T, geo::Capsule<T>, geo::Triangle<T>>(0xc74);
 }
 
 /// The radius with which a sphere just touches, found by halving, and those next to it.
@@ -234,6 +237,9 @@ TYPED_TEST(SweepBatchOf, GrazingPairsAreTheSingleCalls) {
     judge_grazing<T, geo::Capsule<T>, geo::Plane<T>>(0x1c9);
     judge_grazing<T, geo::Capsule<T>, geo::Sphere<T>>(0x1c5);
     judge_grazing<T, geo::Capsule<T>, geo::Capsule<T>>(0x1cc);
+    judge_grazing<T, geo::Capsule<T>, geo::Aabb<T>>(0x1cab);
+    judge_grazing<T, geo::Capsule<T>, geo::Obb<T>>(0x1c0b);
+    judge_grazing<T, geo::Capsule<T>, geo::Triangle<T>>(0x1c74);
 }
 
 /// Calls f with every number that a shape consists of.
@@ -280,7 +286,7 @@ void judge_bad(std::uint64_t seed) {
     Batch<T, A, B> bad;
     std::size_t next = 0;
     for (const double value : values) {
-        for (int number = 0; number < 22; ++number) {
+        for (int number = 0; number < 25; ++number) {
             for (int i = 0; i < 3; ++i) {
                 next = (next + 1) % good.a.size();
                 A moving = good.a[next];
@@ -310,6 +316,9 @@ TYPED_TEST(SweepBatchOf, BadNumbersAmongGoodOnesAreTheSingleCalls) {
     judge_bad<T, geo::Capsule<T>, geo::Plane<T>>(0x2c9);
     judge_bad<T, geo::Capsule<T>, geo::Sphere<T>>(0x2c5);
     judge_bad<T, geo::Capsule<T>, geo::Capsule<T>>(0x2cc);
+    judge_bad<T, geo::Capsule<T>, geo::Aabb<T>>(0x2cab);
+    judge_bad<T, geo::Capsule<T>, geo::Obb<T>>(0x2c0b);
+    judge_bad<T, geo::Capsule<T>, geo::Triangle<T>>(0x2c74);
 }
 
 /// From the smallest sizes and ways that are answered to the largest.
@@ -352,6 +361,9 @@ TEST(SweepBatch, PairsOfAllSizesAreTheSingleCalls) {
     judge_sizes<Rod, geo::Plane<double>>(0x3c9);
     judge_sizes<Rod, geo::Sphere<double>>(0x3c5);
     judge_sizes<Rod, geo::Capsule<double>>(0x3cc);
+    judge_sizes<Rod, geo::Aabb<double>>(0x3cab);
+    judge_sizes<Rod, geo::Obb<double>>(0x3c0b);
+    judge_sizes<Rod, geo::Triangle<double>>(0x3c74);
 }
 
 /// What is left of the last step is not written, and what is before it neither.
