@@ -52,11 +52,11 @@ struct ContactAxis {
 [[nodiscard]] bool face_decides(const Polytope& a, const Polytope& triangle, ContactAxis& axis) noexcept;
 
 /// Whether the triangle is farther from `a` than `margin`, by a plane square to the way from a's middle to the triangle's nearest point, and by more than
-/// find_axis() may be wrong: then that finds no axis. Of the triangles beside a's box nine in ten that are farther are found so.
+/// find_axis() may be wrong: then that finds no axis. Of random triangles that are farther 87 % are found so.
 /// Cost: one support of a.
 [[nodiscard]] bool passes_by(const Polytope& a, const Corners& triangle, double margin) noexcept;
 
-/// The same of a hull that `axes` and `origin` place, which need not have been loaded: by a plane square to the way between the two middles.
+/// The same of a hull that `axes` and `origin` place, which need not have been loaded: by a plane square to the way between the two middles (80 %).
 /// Cost: two supports.
 [[nodiscard]] bool passes_by(const Polytope& a, const ConvexHull& hull, const dmat3& axes, const dvec3& origin, double margin) noexcept;
 
