@@ -26,11 +26,11 @@ struct Outline {
 
 // How two outlines lie: bit k is corner k of the first or the side that begins there.
 struct Crossings {
-    DoubleBundle of_first[kMost];   // by corner of the second: on which side of each side of the first it lies
-    DoubleBundle of_second[kMost];  // by side of the second: on which side of it each corner of the first lies
-    std::uint32_t inside_first = 0;          // corners of the first over the second
-    std::uint32_t inside_second = 0;         // a bit each corner of the second
-    std::uint32_t crossed[kMost] = {};       // by side of the second: those of the first that cross it
+    DoubleBundle of_first[kMost];       // by corner of the second: on which side of each side of the first it lies
+    DoubleBundle of_second[kMost];      // by side of the second: on which side of it each corner of the first lies
+    std::uint32_t inside_first = 0;     // corners of the first over the second
+    std::uint32_t inside_second = 0;    // a bit each corner of the second
+    std::uint32_t crossed[kMost] = {};  // by side of the second: those of the first that cross it
 };
 
 }  // namespace

@@ -63,7 +63,8 @@ TEST(PolygonLanes, AllSidesAtOnceGiveThePointsOfOneAfterTheOther) {
             std::vector<detail::Candidate> at_once;
             detail::collect_face_contact(first.polygon(), second.polygon(), plane, at_once);
             ASSERT_EQ(at_once.size(), one_by_one.size()) << i << ", width " << width;
-            for (std::size_t k = 0; k < at_once.size(); ++k) ASSERT_TRUE(same(at_once[k], one_by_one[k])) << i << ", point " << k << ", width " << width;
+            for (std::size_t k = 0; k < at_once.size(); ++k)
+                ASSERT_TRUE(same(at_once[k], one_by_one[k])) << i << ", point " << k << ", width " << width;
         }
         for (const detail::Candidate& c : one_by_one) {
             bool is_corner = false;
