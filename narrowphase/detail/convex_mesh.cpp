@@ -22,6 +22,14 @@ Aabb add_ball(const Aabb& box, const dvec3& centre, double radius) noexcept {
     return merge(box, {centre - dvec3{radius}, centre + dvec3{radius}});
 }
 
+// Whether the shape is farther from the triangle's plane than the margin.
+template <class Probe>
+bool off_the_plane(const Probe& probe, const NearTriangle& t, double margin) noexcept {
+    const dvec3 n = glm::cross(t.corners[1] - t.corners[0], t.corners[2] - t.corners[0]);
+    const double offset = glm::dot(n, t.corners[0]), allowed = margin * std::sqrt(glm::dot(n, n));
+    return offset - probe.reach(n) > allowed || -offset - probe.reach(-n) > allowed;
+}
+
 // The kinds of convex shape that need more than closest points, behind one face.
 struct PolytopeProbe {
     Polytope& polytope;
@@ -35,7 +43,7 @@ struct PolytopeProbe {
     [[nodiscard]] dvec3 farthest(const dvec3& n) const noexcept { return polytope.vertex(lowest(polytope, -n).number); }
     [[nodiscard]] bool beside(const NearTriangle& t, double margin) const noexcept {
         return glm::any(glm::greaterThan(t.lower, box.upper + dvec3{margin})) ||
-               glm::any(glm::lessThan(t.upper, box.lower - dvec3{margin}));
+               glm::any(glm::lessThan(t.upper, box.lower - dvec3{margin})) || passes_by(polytope, t.corners, margin);
     }
     bool axis(Polytope& triangle, double margin, Workspace&, ContactAxis& axis) const {
         return find_axis(polytope, triangle, centre, triangle.centre, margin, axis);
@@ -64,7 +72,7 @@ struct SegmentProbe {
     }
     [[nodiscard]] bool beside(const NearTriangle& t, double margin) const noexcept {
         const dvec3 half = glm::abs(core.segment.to) + dvec3{core.radius + margin};
-        return glm::any(glm::greaterThan(t.lower, half)) || glm::any(glm::lessThan(t.upper, -half));
+        return glm::any(glm::greaterThan(t.lower, half)) || glm::any(glm::lessThan(t.upper, -half)) || off_the_plane(*this, t, margin);
     }
     bool axis(const Polytope& triangle, double margin, Workspace& workspace, ContactAxis& axis) const {
         return find_axis(core, triangle, margin, workspace.polygons, axis);
@@ -88,7 +96,7 @@ struct TurnedProbe {
     [[nodiscard]] dvec3 farthest(const dvec3& n) const noexcept { return solid.support(n); }
     [[nodiscard]] bool beside(const NearTriangle& t, double margin) const noexcept {
         return glm::any(glm::greaterThan(t.lower, box.upper + dvec3{margin})) ||
-               glm::any(glm::lessThan(t.upper, box.lower - dvec3{margin}));
+               glm::any(glm::lessThan(t.upper, box.lower - dvec3{margin})) || off_the_plane(*this, t, margin);
     }
     bool axis(Polytope& triangle, double margin, Workspace&, ContactAxis& axis) const {
         return find_axis(solid, triangle, margin, axis, status);
@@ -171,14 +179,6 @@ TrianglePatch patch_of(const Probe& probe, const WayOut& way_out) noexcept {
     return contact;
 }
 
-// Whether the shape is farther from the triangle's plane than the margin.
-template <class Probe>
-bool off_the_plane(const Probe& probe, const NearTriangle& t, double margin) noexcept {
-    const dvec3 n = glm::cross(t.corners[1] - t.corners[0], t.corners[2] - t.corners[0]);
-    const double offset = glm::dot(n, t.corners[0]), allowed = margin * std::sqrt(glm::dot(n, n));
-    return offset - probe.reach(n) > allowed || -offset - probe.reach(-n) > allowed;
-}
-
 bool faces_away(const NearTriangle& t, const dvec3& centre) noexcept {
     return glm::dot(glm::cross(t.corners[1] - t.corners[0], t.corners[2] - t.corners[0]), centre - t.corners[0]) < 0.0;
 }
@@ -251,7 +251,7 @@ CollideStatus touch_surface(const PairFrame& pair, const Probe& probe, const Aab
     WayOut way_out;
     surface.gather(pair, inflate(bounds, pair.margin + kInsideTolerance * probe.size()));
     for (const NearTriangle& t : surface.triangles) {
-        if (probe.beside(t, pair.margin) || off_the_plane(probe, t, pair.margin) || (one_sided && faces_away(t, probe.centre)) ||
+        if (probe.beside(t, pair.margin) || (one_sided && faces_away(t, probe.centre)) ||
             !load_triangle(workspace.second, t.corners)) {
             continue;
         }
@@ -273,8 +273,7 @@ CollideStatus touch_surface(const PairFrame& pair, const Probe& probe, const Aab
 
 CollideStatus polytope_mesh(const PairFrame& pair, const Aabb& own, Workspace& workspace, ManifoldSink& sink) {
     Polytope& polytope = workspace.first;
-    Aabb bounds;
-    for (std::uint32_t k = 0; k < polytope.vertex_count; ++k) bounds = add_ball(bounds, pair.to_second(polytope.vertex(k)), 0.0);
+    const Aabb bounds = bounds_of(polytope, pair.translation, pair.rotation);
     const PolytopeProbe probe{polytope, own, polytope.centre};
     if (const ConvexHull* const solid = solid_of(pair, probe)) {
         if (!reaches(pair, bounds, *solid)) return CollideStatus::Ok;

@@ -80,12 +80,39 @@ inline void fill_sides(const FacePolygon& polygon, const FacePolygon& other, dou
     }
 }
 
+/// Adds corner `c` of a polygon, which lies over the other one, if it is within the margin. `direction` is +1 for the first polygon, -1 for the second.
+/// @param slope  the cosine between the other's normal and that of contact; bounded away from 0 by the choice of the two faces.
+inline void add_corner(const FaceCorner& c, const FacePolygon& other, double slope, const ContactPlane& plane, double direction,
+                       std::vector<Candidate>& points) {
+    const double along = (other.offset - glm::dot(other.normal, c.point)) / slope;  // to the other plane, along the normal
+    const double separation = direction * along;
+    if (!(separation <= plane.margin)) return;
+    const std::uint64_t name = direction > 0.0 ? feature_name(FeatureKind::VertexOfFirst, c.vertex, 0)
+                                               : feature_name(FeatureKind::VertexOfSecond, 0, c.vertex);
+    points.push_back({c.point + (0.5 * along) * plane.normal, separation, c.u, c.w, name});
+}
+
+/// Adds the crossing of side k of the first polygon and side m of the second, if it is within the margin.
+/// @param of_first  on which side of side k the ends of side m lie; `of_second` the other way round.
+inline void add_crossing(const FacePolygon& first, std::size_t k, const FacePolygon& second, std::size_t m, const double (&of_first)[2],
+                         const double (&of_second)[2], const ContactPlane& plane, std::vector<Candidate>& points) {
+    const FaceCorner &a0 = first.corners[k], &a1 = first.corners[k + 1 < first.corners.size() ? k + 1 : 0];
+    const FaceCorner &b0 = second.corners[m], &b1 = second.corners[m + 1 < second.corners.size() ? m + 1 : 0];
+    const dvec3 on_first = a0.point + (of_second[0] / (of_second[0] - of_second[1])) * (a1.point - a0.point);
+    const dvec3 on_second = b0.point + (of_first[0] / (of_first[0] - of_first[1])) * (b1.point - b0.point);
+    const double separation = glm::dot(on_second - on_first, plane.normal);
+    if (!(separation <= plane.margin)) return;
+    const dvec3 middle = 0.5 * (on_first + on_second);
+    points.push_back({middle, separation, glm::dot(middle, plane.axis_u), glm::dot(middle, plane.axis_w),
+                      feature_name(FeatureKind::Edges, a0.edge, b0.edge)});
+}
+
 /// Adds the corners of `polygon` that lie over the other one. `direction` is +1 for the first polygon, -1 for the second.
 inline void collect_corners(const FacePolygon& polygon, const FacePolygon& other, std::span<const double> side_of_other,
                      const ContactPlane& plane, double direction, std::vector<Candidate>& points) {
     const auto corners = polygon.corners;
     const auto sides = other.corners;
-    const double slope = glm::dot(other.normal, plane.normal);  // bounded away from 0 by the choice of the two faces
+    const double slope = glm::dot(other.normal, plane.normal);
     for (std::size_t m = 0; m < corners.size(); ++m) {
         bool inside = true;
         for (std::size_t k = 0; k < sides.size() && inside; ++k) {
@@ -94,14 +121,7 @@ inline void collect_corners(const FacePolygon& polygon, const FacePolygon& other
             const double length = std::abs(q.u - p.u) + std::abs(q.w - p.w);
             inside = side_of_other[k * corners.size() + m] >= -plane.tolerance * length;
         }
-        if (!inside) continue;
-        const FaceCorner& c = corners[m];
-        const double along = (other.offset - glm::dot(other.normal, c.point)) / slope;  // to the other plane, along the normal
-        const double separation = direction * along;
-        if (!(separation <= plane.margin)) continue;
-        const std::uint64_t name = direction > 0.0 ? feature_name(FeatureKind::VertexOfFirst, c.vertex, 0)
-                                                   : feature_name(FeatureKind::VertexOfSecond, 0, c.vertex);
-        points.push_back({c.point + (0.5 * along) * plane.normal, separation, c.u, c.w, name});
+        if (inside) add_corner(corners[m], other, slope, plane, direction, points);
     }
 }
 
@@ -117,13 +137,7 @@ inline void collect_crossings(const FacePolygon& first, const FacePolygon& secon
             const double b0 = side_of_first[k * b.size() + m], b1 = side_of_first[k * b.size() + m1];
             const double a0 = side_of_second[m * a.size() + k], a1 = side_of_second[m * a.size() + k1];
             if ((b0 < 0.0) == (b1 < 0.0) || (a0 < 0.0) == (a1 < 0.0)) continue;
-            const dvec3 on_first = a[k].point + (a0 / (a0 - a1)) * (a[k1].point - a[k].point);
-            const dvec3 on_second = b[m].point + (b0 / (b0 - b1)) * (b[m1].point - b[m].point);
-            const double separation = glm::dot(on_second - on_first, plane.normal);
-            if (!(separation <= plane.margin)) continue;
-            const dvec3 middle = 0.5 * (on_first + on_second);
-            points.push_back({middle, separation, glm::dot(middle, plane.axis_u), glm::dot(middle, plane.axis_w),
-                              feature_name(FeatureKind::Edges, a[k].edge, b[m].edge)});
+            add_crossing(first, k, second, m, {b0, b1}, {a0, a1}, plane, points);
         }
     }
 }
@@ -142,6 +156,9 @@ inline void collect_face_contact(const FacePolygon& first, const FacePolygon& se
     collect_corners(second, first, of_first, plane, -1.0, points);
     collect_crossings(first, second, of_first, of_second, plane, points);
 }
+
+/// The same, to the bit, of two polygons of at most eight corners each: all sides at once.
+void collect_face_contact(const FacePolygon& first, const FacePolygon& second, const ContactPlane& plane, std::vector<Candidate>& points);
 
 /// Names a point after the corner that it lies at, within `distance` [m] in the plane of contact: a crossing that wanders over a
 /// corner keeps its name.

@@ -64,6 +64,20 @@ bool face_decides(const Polytope& a, const Polytope& triangle, ContactAxis& axis
     return true;
 }
 
+bool passes_by(const Polytope& a, const Corners& triangle, double margin) noexcept {
+    const dvec3 way = closest_on_triangle(triangle, a.centre).point - a.centre;
+    const double reach = -lowest(a, -way).value;
+    const double least = std::min({glm::dot(way, triangle[0]), glm::dot(way, triangle[1]), glm::dot(way, triangle[2])});
+    return least - reach > (margin + kPointTolerance * a.size) * std::sqrt(glm::dot(way, way));
+}
+
+bool passes_by(const Polytope& a, const ConvexHull& hull, const dmat3& axes, const dvec3& origin, double margin) noexcept {
+    const dvec3 way = (axes * hull.centre() + origin) - a.centre;
+    const dvec3 extent = hull.local_bounds().upper - hull.local_bounds().lower;
+    const double gap = (lowest(hull.point_bundles(), way * axes).value + glm::dot(way, origin)) + lowest(a, -way).value;
+    return gap > (margin + kPointTolerance * std::max({a.size, extent.x, extent.y, extent.z})) * std::sqrt(glm::dot(way, way));
+}
+
 ContactAxis greatest_separation(const Polytope& a, const Polytope& b, const dvec3& point_of_a, const dvec3& point_of_b, double enough) {
     const Separations best = find_separations(a, b, point_of_a, point_of_b, enough);
     ContactAxis axis;
@@ -75,7 +89,7 @@ ContactAxis greatest_separation(const Polytope& a, const Polytope& b, const dvec
     if (axis.separation > enough) return axis;
     const EdgePair& edges = best.edges;
     const double by_face = axis.separation + kFacePreference * common_size(a, b), needed = std::max(by_face, edges.separation);
-    if (b.side_count > 0) {
+    if (b.side_count > 0 && best.side_promise > needed) {
         const FaceSeparation side = best_side(b, a, needed);
         if (side.separation > needed) return axis_of_side(a, b, side);
     }

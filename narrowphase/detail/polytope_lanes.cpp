@@ -30,6 +30,27 @@ std::array<std::uint32_t, 2> LowestOfTwo(std::span<const PointBundle> a, const d
     return {lowest_of(a, along_a).number, lowest_of(b, along_b).number};
 }
 
+Aabb BoundsOf(std::span<const PointBundle> points, const dvec3& origin, const dmat3& axes) {
+    const Doubles3 start = everywhere(origin), columns[3] = {everywhere(axes[0]), everywhere(axes[1]), everywhere(axes[2])};
+    Doubles lower[3] = {kInfinity, kInfinity, kInfinity}, upper[3] = {-kInfinity, -kInfinity, -kInfinity};
+    for (const PointBundle& p : points) {
+        for (int lane = 0; lane < kWidth; lane += kLaneStep) {
+            const Doubles3 from = read(p, lane) - start;
+            for (int k = 0; k < 3; ++k) {
+                const Doubles along = dot(columns[k], from);
+                lower[k] = min(along, lower[k]);
+                upper[k] = max(along, upper[k]);
+            }
+        }
+    }
+    Aabb bounds;
+    for (int k = 0; k < 3; ++k) {
+        bounds.lower[k] = least_lane(lower[k]);
+        bounds.upper[k] = greatest_lane(upper[k]);
+    }
+    return bounds;
+}
+
 Extreme FaceAlong(std::span<const PlaneBundle> planes, const dvec3& direction) {
     const Doubles3 along = everywhere(direction);
     Greatest best;
@@ -109,6 +130,7 @@ HWY_AFTER_NAMESPACE();
 namespace carom::detail {
 HWY_EXPORT(Lowest);
 HWY_EXPORT(LowestOfTwo);
+HWY_EXPORT(BoundsOf);
 HWY_EXPORT(FaceAlong);
 HWY_EXPORT(PlacePolytope);
 HWY_EXPORT(HighestFace);
@@ -125,6 +147,9 @@ Extreme lowest(std::span<const PointBundle> points, const dvec3& direction) noex
 std::array<std::uint32_t, 2> lowest_of_two(std::span<const PointBundle> a, const dvec3& along_a, std::span<const PointBundle> b,
                                            const dvec3& along_b) noexcept {
     return HWY_DYNAMIC_DISPATCH(LowestOfTwo)(a, along_a, b, along_b);
+}
+Aabb bounds_of(const Polytope& p, const dvec3& origin, const dmat3& axes) noexcept {
+    return HWY_DYNAMIC_DISPATCH(BoundsOf)(p.points, origin, axes);
 }
 Extreme face_along(const Polytope& p, const dvec3& direction) noexcept { return HWY_DYNAMIC_DISPATCH(FaceAlong)(p.planes, direction); }
 Extreme highest_face(const Polytope& p, const dvec3& from, const dvec3& to) noexcept {

@@ -7,6 +7,7 @@
 // scalar would, and of equal ones the lowest number counts.
 #pragma once
 
+#include <carom/collision/aabb.hpp>
 #include <carom/narrowphase/detail/polytope.hpp>
 
 #include <array>
@@ -32,6 +33,8 @@ struct Extreme {
 /// @return the numbers of the lowest vertices of two sets, each along a direction of its own.
 [[nodiscard]] std::array<std::uint32_t, 2> lowest_of_two(std::span<const PointBundle> a, const dvec3& along_a,
                                                          std::span<const PointBundle> b, const dvec3& along_b) noexcept;
+/// @return the bounds of the vertices v, as (v - origin) * axes.
+[[nodiscard]] Aabb bounds_of(const Polytope& p, const dvec3& origin, const dmat3& axes) noexcept;
 /// @return the face whose normal has the greatest dot product with `direction`, and the product.
 [[nodiscard]] Extreme face_along(const Polytope& p, const dvec3& direction) noexcept;
 

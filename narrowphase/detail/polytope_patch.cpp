@@ -59,8 +59,13 @@ void build_patch(const Polytope& a, const Polytope& b, const ContactAxis& axis, 
     std::vector<Candidate>& points = scratch.candidates;
     points.clear();
     if (share_points(glm::dot(first.normal, plane.normal), -glm::dot(second.normal, plane.normal))) {
-        scratch.sides.resize(2 * first.corners.size() * second.corners.size());
-        collect_face_contact(first, second, plane, scratch.sides, points);
+        constexpr std::size_t kFew = kDoubleBundleWidth;
+        if (first.corners.size() <= kFew && second.corners.size() <= kFew) {
+            collect_face_contact(first, second, plane, points);
+        } else {
+            scratch.sides.resize(2 * first.corners.size() * second.corners.size());
+            collect_face_contact(first, second, plane, scratch.sides, points);
+        }
     }
     // The deepest vertex belongs to the region as a rule. It does not where the other face that faces the normal best is not at
     // that vertex, and where rounding leaves no region.
@@ -70,6 +75,7 @@ void build_patch(const Polytope& a, const Polytope& b, const ContactAxis& axis, 
     }
     patch.normal = plane.normal;
     patch.count = 0;
+    if (points.empty()) return;
     const double snap = kSnap * std::min(least_side(first.corners), least_side(second.corners));
     const PatchRule rule{kPointTolerance * size, snap, outline_start(plane.normal, plane.axis_u, plane.axis_w), overlook(asked.steady, size)};
     finish_patch(points, first, second, rule, patch);

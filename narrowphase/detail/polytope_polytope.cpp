@@ -23,8 +23,10 @@ CollideStatus box_box_alone(const PairFrame& pair, Workspace& workspace, Manifol
 }
 
 CollideStatus box_hull(const PairFrame& pair, Workspace& workspace, ManifoldSink& sink) {
+    const ConvexHull& hull = *as<ConvexHullPtr>(pair.second);
     load_box(workspace.first, dvec3(as<Box>(pair.first).half_extents));
-    load_hull(workspace.second, *as<ConvexHullPtr>(pair.second), pair.rotation, pair.translation);
+    if (passes_by(workspace.first, hull, pair.rotation, pair.translation, pair.margin)) return CollideStatus::Ok;
+    load_hull(workspace.second, hull, pair.rotation, pair.translation);
     return touch_polytopes(pair.asked(), workspace, sink);
 }
 
@@ -34,6 +36,7 @@ CollideStatus hull_hull(const PairFrame& pair, Workspace& workspace, ManifoldSin
 
 CollideStatus hull_hull(const PairFrame& pair, const ConvexHull& first, const ConvexHull& second, Workspace& workspace, ManifoldSink& sink) {
     load_hull(workspace.first, first);
+    if (passes_by(workspace.first, second, pair.rotation, pair.translation, pair.margin)) return CollideStatus::Ok;
     load_hull(workspace.second, second, pair.rotation, pair.translation);
     return touch_polytopes(pair.asked(), workspace, sink);
 }

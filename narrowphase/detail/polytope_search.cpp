@@ -137,21 +137,23 @@ void list_edges_above(const Polytope& p, std::span<const dvec3> points, double f
 // @param arcs  the edges `of_b`, eight by eight.
 EdgePair best_of_listed(const Polytope& a, const Polytope& b, std::span<const std::uint32_t> of_a, std::span<const std::uint32_t> of_b,
                         std::span<const EdgeBundle> arcs) {
-    EdgePair best;
+    // Numbered edge of a by edge of a, so that of equal ones the first pair counts.
+    Greatest greatest;
+    Doubles places = double_lane_numbers();
     for (const std::uint32_t number : of_a) {
         const Polytope::Edge e = a.edge(number);
-        Greatest of_e;
-        Doubles places = double_lane_numbers();
         for (const EdgeBundle& f : arcs) {
             for (int lane = 0; lane < kWidth; lane += kLaneStep) {
-                of_e.offer(separations(e, f, lane), places);
+                greatest.offer(separations(e, f, lane), places);
                 places = places + Doubles(kLaneStep);
             }
         }
-        const Extreme found = of_e.take();
-        if (found.value > best.separation) best = {found.value, dvec3{0.0}, number, of_b[found.number]};
     }
-    if (best.separation == -kInfinity) return best;
+    const Extreme found = greatest.take();
+    EdgePair best;
+    if (found.value == -kInfinity) return best;
+    const std::size_t width = kWidth * arcs.size();
+    best = {found.value, dvec3{0.0}, of_a[found.number / width], of_b[found.number % width]};
     const Polytope::Edge e = a.edge(best.a);
     const dvec3 normal = glm::cross(e.direction, b.edge(best.b).direction);
     best.normal = normal * ((glm::dot(normal, e.left + e.right) < 0.0 ? -1.0 : 1.0) / std::sqrt(glm::dot(normal, normal)));
@@ -227,26 +229,41 @@ HWY_INLINE void list_edges_below(const Polytope& p, std::span<const CornerHeight
 }
 
 // The edges of a triangle in the order of load_triangle(), each towards either face, that some point bounds no lower than `floor`.
+// @param promise  gets how high the lowest of the points is over the side over which it is highest.
 // @return whether there is any; the others are left without length, and cross nothing.
-HWY_INLINE bool fill_arcs(const Polytope& triangle, std::span<const dvec3> met, double floor, EdgeBundle& arcs) {
-    std::vector<DoubleBundle>& words = search_scratch().words;
-    const std::uint64_t all = mark_above(triangle, met, floor, words);
-    const auto word = [&](std::size_t bundle, std::size_t plane) { return std::bit_cast<std::uint64_t>(words[bundle].lane[plane]); };
-    bool any = false;
+HWY_INLINE bool fill_arcs(const Polytope& triangle, const dvec3 (&met)[3], double floor, EdgeBundle& arcs, double& promise) {
+    unsigned towards[2] = {7, 7};  // either face: the sides that are left
+    Doubles promises[kWidth / kLaneStep];
+    for (Doubles& of_lanes : promises) of_lanes = Doubles(kInfinity);
+    for (const dvec3& point : met) {
+        const Doubles3 p = everywhere(point);
+        unsigned faces = 0, sides = 0;
+        for (int lane = 0; lane < kWidth; lane += kLaneStep) {
+            faces |= bits(heights(triangle.planes[0], lane, p) > Doubles(floor)) << lane;
+            const Doubles over_sides = heights(triangle.sides, lane, p);
+            sides |= bits(over_sides > Doubles(floor)) << lane;
+            promises[lane / kLaneStep] = min(promises[lane / kLaneStep], over_sides);
+        }
+        for (unsigned face = 0; face < 2; ++face) towards[face] &= (faces >> face & 1) != 0 ? 7 : sides;
+    }
+    Doubles most = promises[0];
+    for (const Doubles& of_lanes : promises) most = max(most, of_lanes);
+    promise = greatest_lane(most);
+    if ((towards[0] | towards[1]) == 0) return false;
+    arcs = {};
     const auto put = [&](std::size_t arc, std::uint32_t from, const dvec3& left, const dvec3& right) {
         const dvec3 corner = triangle.vertex(from);
         set_point(arcs.from, arc, corner);
         set_point(arcs.direction, arc, triangle.vertex((from + 1) % 3) - corner);
         set_point(arcs.left, arc, left);
         set_point(arcs.right, arc, right);
-        any = true;
     };
     for (std::uint32_t k = 0; k < 3; ++k) {
         const dvec3 side = normal_of({&triangle.sides, 1}, k);
-        if ((word(0, 0) | word(1, k)) == all) put(k, k, triangle.normal(0), side);
-        if ((word(1, k) | word(0, 1)) == all) put(k + 3, k, side, triangle.normal(1));
+        if ((towards[0] >> k & 1) != 0) put(k, k, triangle.normal(0), side);
+        if ((towards[1] >> k & 1) != 0) put(k + 3, k, side, triangle.normal(1));
     }
-    return any;
+    return true;
 }
 
 Separations find_separations_of_triangle(const Polytope& a, const Polytope& triangle, double enough) {
@@ -259,8 +276,8 @@ Separations find_separations_of_triangle(const Polytope& a, const Polytope& tria
     best.of_b = better_side_of(triangle, a.points, best.of_a.separation, met);
     if (best.of_b.separation > enough) return best;
     const double floor = std::min(0.0, best.of_b.separation);
-    EdgeBundle arcs{};
-    if (!fill_arcs(triangle, met, floor, arcs)) return best;
+    EdgeBundle arcs;
+    if (!fill_arcs(triangle, met, floor, arcs, best.side_promise)) return best;
     list_edges_below(a, scratch.heights, floor, scratch.numbers_of_a);
     best.edges = best_of_listed(a, triangle, scratch.numbers_of_a, kArcs, {&arcs, 1});
     return best;

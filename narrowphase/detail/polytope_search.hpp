@@ -31,6 +31,8 @@ struct Separations {
     FaceSeparation of_a;
     FaceSeparation of_b;  ///< where no face of b does better than those of a, a's separation
     EdgePair edges;
+    /// Of a triangle as b no side separates by more: some point of a that was met is no higher over any of them.
+    double side_promise = std::numeric_limits<double>::infinity();
 };
 
 /// For each polytope the face that has the other one's deepest vertex highest over it, and the pair of edges that separates best among those

@@ -45,6 +45,26 @@ TEST(PolytopeLanes, TheLowestPointIsTheFirstOfThoseThatAre) {
     set_simd_width(0);
 }
 
+TEST(PolytopeLanes, BoundsAreThoseOfTheVerticesToTheBit) {
+    Random r(3);
+    for (const int width : available_simd_widths()) {
+        set_simd_width(width);
+        for (int i = 0; i < 100; ++i) {
+            const ConvexHullPtr hull = random_hull(r, 5 + i, 0.3, 1.0);
+            detail::Polytope p;
+            detail::load_hull(p, *hull);
+            const dmat3 axes = glm::mat3_cast(random_rotation(r));
+            const dvec3 origin = random_direction(r) * 2.0;
+            Aabb bounds;
+            for (std::uint32_t v = 0; v < p.vertex_count; ++v) bounds = merge(bounds, {(p.vertex(v) - origin) * axes, (p.vertex(v) - origin) * axes});
+            const Aabb found = detail::bounds_of(p, origin, axes);
+            ASSERT_EQ(found.lower, bounds.lower) << i << ", width " << width;
+            ASSERT_EQ(found.upper, bounds.upper) << i << ", width " << width;
+        }
+    }
+    set_simd_width(0);
+}
+
 TEST(PolytopeLanes, PlacedHullsHoldTheirVertices) {
     Random r(2);
     for (int i = 0; i < 50; ++i) {

@@ -82,7 +82,7 @@ TEST(PolytopeSearch, FindsTheBestOfAllFacesAndEdges) {
 
 TEST(PolytopeSearch, FindsTheBestAgainstATriangle) {
     Random r(22);
-    int by_edges = 0, by_triangle = 0, without_arcs = 0;
+    int by_edges = 0, by_triangle = 0, without_arcs = 0, by_side = 0, without_side = 0;
     for (int i = 0; i < 1000; ++i) {
         Polytope a, b;
         const ConvexHullPtr hull = random_hull(r, 6 + i % 40, 0.3, 1.0);
@@ -104,6 +104,10 @@ TEST(PolytopeSearch, FindsTheBestAgainstATriangle) {
                 ASSERT_NEAR(least_along(b, found.edges.normal) + least_along(a, -found.edges.normal), edges, 1e-12) << i;
                 ++by_edges;
             }
+            const double side = detail::best_side(b, a, kNone).separation;
+            ASSERT_LE(side, found.side_promise) << i;
+            by_side += found.side_promise > face && face > kNone ? 1 : 0;
+            without_side += found.side_promise <= face ? 1 : 0;
             by_triangle += face > of_a ? 1 : 0;
             without_arcs += found.edges.separation == kNone ? 1 : 0;
             EXPECT_EQ(detail::find_separations(a, b, a.centre, b.centre, face - 0.1).edges.separation, kNone);  // a face was enough
@@ -113,6 +117,103 @@ TEST(PolytopeSearch, FindsTheBestAgainstATriangle) {
     EXPECT_GT(by_edges, 100);
     EXPECT_GT(by_triangle, 100);
     EXPECT_GT(without_arcs, 100);
+    EXPECT_GT(by_side, 100);
+    EXPECT_GT(without_side, 100);
+}
+
+// Of all pairs of edges whose arcs cross, one after the other: the first of those that separate best.
+detail::EdgePair first_best_edges(const Polytope& a, const Polytope& b) {
+    detail::EdgePair best;
+    for (std::uint32_t i = 0; i < a.edge_count(); ++i) {
+        for (std::uint32_t j = 0; j < b.edge_count(); ++j) {
+            const Polytope::Edge e = a.edge(i), f = b.edge(j);
+            const double cba = -glm::dot(f.left, e.direction), dba = -glm::dot(f.right, e.direction);
+            const double adc = glm::dot(e.left, f.direction), bdc = glm::dot(e.right, f.direction);
+            if (!(cba * dba < 0.0) || !(adc * bdc < 0.0) || !(cba * bdc > 0.0)) continue;
+            const dvec3 normal = glm::cross(e.direction, f.direction);
+            const double along = glm::dot(normal, f.from - e.from) / std::sqrt(glm::dot(normal, normal));
+            const double outward = glm::dot(normal, e.left + e.right) < 0.0 ? -along : along;
+            if (outward > best.separation) best = {outward, normal, i, j};
+        }
+    }
+    return best;
+}
+
+// Boxes about the centre of a box or a triangle: many pairs of edges are as good as one another.
+TEST(PolytopeSearch, OfEqualPairsOfEdgesTheFirstCounts) {
+    Random r(23);
+    int compared = 0, ties = 0;
+    for (int i = 0; i < 1500; ++i) {
+        Polytope a, b;
+        const ConvexHullPtr hull = random_hull(r, 6 + i % 20, 0.3, 1.0);
+        const dmat3 axes = glm::mat3_cast(random_rotation(r));
+        const bool is_tied = i % 3 == 0;
+        if (is_tied) {
+            detail::load_box(a, dvec3{0.5});
+        } else {
+            detail::load_hull(a, *hull);
+        }
+        if (i % 2 == 0) {
+            detail::load_box(b, dvec3{0.5}, axes, is_tied ? dvec3{0.0} : random_direction(r) * r.range(0.0, 1.2));
+        } else {
+            const dvec3 middle = is_tied ? dvec3{0.0} : random_direction(r) * r.range(0.0, 0.8);
+            const dvec3 u = random_direction(r), w = random_direction(r);
+            if (!detail::load_triangle(b, {middle + u, middle + w, middle - u - w})) continue;
+        }
+        const double face = std::max(best_face(a, b), best_face(b, a));
+        const detail::EdgePair first = first_best_edges(a, b);
+        if (!(first.separation > face)) continue;
+        for (const int width : available_simd_widths()) {
+            set_simd_width(width);
+            const detail::EdgePair found = detail::find_separations(a, b, a.centre, b.centre, -kNone).edges;
+            ASSERT_EQ(found.separation, first.separation) << i << ", width " << width;
+            ASSERT_EQ(found.a, first.a) << i << ", width " << width;
+            ASSERT_EQ(found.b, first.b) << i << ", width " << width;
+        }
+        ++compared;
+        ties += is_tied ? 1 : 0;
+    }
+    set_simd_width(0);
+    std::printf("%d compared, %d of them tied\n", compared, ties);
+    EXPECT_GT(compared, 200);
+    EXPECT_GT(ties, 30);
+}
+
+// What a plane between the middles parts is never anything that the search would find, and most of what it would look for in vain.
+TEST(PolytopeSearch, WhatPassesByHasNoAxis) {
+    Random r(24);
+    int apart[2] = {}, passed[2] = {};
+    for (int i = 0; i < 12000; ++i) {
+        Polytope a, b;
+        const ConvexHullPtr one = random_hull(r, 6 + i % 26, 0.3, 1.0), other = random_hull(r, 6 + i % 17, 0.3, 1.0);
+        const bool is_triangle = i % 2 == 0;
+        load_any(r, a, is_triangle ? random_direction(r) : dvec3{0.0}, *one);
+        const double margin = i % 5 == 0 ? 0.0 : r.range(0.0, 0.2);
+        bool passes = false;
+        if (is_triangle) {
+            const dvec3 middle = a.centre + random_direction(r) * r.range(0.0, 1.5);
+            const double extent = std::exp2(r.range(-4.0, 2.0));
+            const auto corner = [&] { return middle + extent * random_direction(r); };
+            const detail::Corners corners{corner(), corner(), corner()};
+            if (!detail::load_triangle(b, corners)) continue;
+            passes = detail::passes_by(a, corners, margin);
+        } else {
+            const dmat3 axes = glm::mat3_cast(random_rotation(r));
+            const dvec3 origin = random_direction(r) * r.range(0.5, 2.0);
+            detail::load_hull(b, *other, axes, origin);
+            passes = detail::passes_by(a, *other, axes, origin, margin);
+        }
+        detail::ContactAxis axis;
+        const bool found = detail::find_axis(a, b, a.centre, b.centre, margin, axis);
+        ASSERT_FALSE(found && passes) << i;
+        apart[is_triangle] += found ? 0 : 1;
+        passed[is_triangle] += passes ? 1 : 0;
+    }
+    std::printf("hulls: %d of %d, triangles: %d of %d\n", passed[0], apart[0], passed[1], apart[1]);
+    EXPECT_GT(5 * passed[0], 2 * apart[0]);
+    EXPECT_GT(5 * passed[1], 4 * apart[1]);
+    EXPECT_GT(apart[0], 1000);
+    EXPECT_GT(apart[1], 1000);
 }
 
 // A small triangle over the edge of a sharp wedge: 0.115 along y, where edges cross, and 0.08 along the triangle's own normal; but no corner of it is
