@@ -251,8 +251,7 @@ CollideStatus touch_surface(const PairFrame& pair, const Probe& probe, const Aab
     WayOut way_out;
     surface.gather(pair, inflate(bounds, pair.margin + kInsideTolerance * probe.size()));
     for (const NearTriangle& t : surface.triangles) {
-        if (probe.beside(t, pair.margin) || (one_sided && faces_away(t, probe.centre)) ||
-            !load_triangle(workspace.second, t.corners)) {
+        if (probe.beside(t, pair.margin) || (one_sided && faces_away(t, probe.centre)) || !load_triangle(workspace.second, t.corners)) {
             continue;
         }
         TrianglePatch contact;

@@ -87,8 +87,8 @@ inline void add_corner(const FaceCorner& c, const FacePolygon& other, double slo
     const double along = (other.offset - glm::dot(other.normal, c.point)) / slope;  // to the other plane, along the normal
     const double separation = direction * along;
     if (!(separation <= plane.margin)) return;
-    const std::uint64_t name = direction > 0.0 ? feature_name(FeatureKind::VertexOfFirst, c.vertex, 0)
-                                               : feature_name(FeatureKind::VertexOfSecond, 0, c.vertex);
+    const std::uint64_t name =
+        direction > 0.0 ? feature_name(FeatureKind::VertexOfFirst, c.vertex, 0) : feature_name(FeatureKind::VertexOfSecond, 0, c.vertex);
     points.push_back({c.point + (0.5 * along) * plane.normal, separation, c.u, c.w, name});
 }
 
