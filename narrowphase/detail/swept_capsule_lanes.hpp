@@ -346,7 +346,7 @@ struct WideRod {
         WidePath grown = path;
         grown.radius = path.radius + Doubles(3.0) * slack;
         const Doubles3 low = lower + by, high = upper + by;
-        const BoxMeeting met = meet_box(grown, low, high, before, sure);
+        const BoxMeeting met = meet_box<true>(grown, low, high, before, sure);
         const Doubles3 p = path.motion * met.t - by;
         return {met.t, select(met.straight, met.face * path.size, met.gap), met.last, clamped(p, lower, upper)};
     }
