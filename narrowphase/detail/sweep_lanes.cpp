@@ -342,6 +342,7 @@ namespace carom::detail {
 HWY_EXPORT(SweepLanes);
 
 void sweep_lanes(Sweeper a, SweptCore b, SweptRows& rows, std::size_t count) noexcept {
+    if (count == 1) return HWY_STATIC_DISPATCH(SweepLanes)(a, b, rows, count);  // more lanes would only take longer
     HWY_DYNAMIC_DISPATCH(SweepLanes)(a, b, rows, count);
 }
 }  // namespace carom::detail

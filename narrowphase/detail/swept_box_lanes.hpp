@@ -26,8 +26,9 @@ struct BoxMeeting {
     Doubles3 face, gap, last;  ///< towards the box; last: the face whose plane is crossed last
 };
 
-// As sweep_box() of sweep_parts.cpp.
-HWY_INLINE BoxMeeting meet_box(const WidePath& path, const Doubles3& lower, const Doubles3& upper, DoubleMask& sure) {
+// As sweep_box() of sweep_parts.cpp. @param before  what is met then or later need not be told.
+template <bool kLimited>
+HWY_INLINE BoxMeeting meet_box(const WidePath& path, const Doubles3& lower, const Doubles3& upper, Doubles before, DoubleMask& sure) {
     const Doubles zero(0.0), one(1.0), never(kNoContact);
     const Doubles3& d = path.motion;
     const WideSlabs slabs{{d.x, lower.x, upper.x, path.radius}, {d.y, lower.y, upper.y, path.radius}, {d.z, lower.z, upper.z, path.radius}};
@@ -35,7 +36,9 @@ HWY_INLINE BoxMeeting meet_box(const WidePath& path, const Doubles3& lower, cons
     const Doubles reaches = greatest(greatest(x.reaches, y.reaches), z.reaches);
     const Doubles leaves = least(least(least(one, x.leaves), y.leaves), z.leaves) * Doubles(2.0 - kRounded);
     const Doubles from = greatest(zero, reaches * Doubles(kRounded));
-    const DoubleMask comes = sure & (from <= leaves);
+    DoubleMask comes = sure & (from <= leaves);
+    Doubles to = least(leaves, one);
+    if constexpr (kLimited) comes = comes & (from < before), to = least(to, before);
     if (none(comes)) return {never, comes, zero3(), zero3(), zero3()};
     const DoubleMask by_x = reaches == x.reaches, by_y = (!by_x) & (reaches == y.reaches), by_z = !(by_x | by_y);
     const DoubleMask in_x = x.holds(reaches), in_y = y.holds(reaches), in_z = z.holds(reaches);
@@ -45,14 +48,14 @@ HWY_INLINE BoxMeeting meet_box(const WidePath& path, const Doubles3& lower, cons
     const DoubleMask slanted = comes & !straight;
     Doubles t = select(straight, from, never);
     if (none(slanted)) return {t, straight, face, face, face};
-    t = select(straight, t, slabs.sweep_pieces(path, from, least(leaves, one), slanted, sure));
+    t = select(straight, t, slabs.sweep_pieces(path, from, to, slanted, sure));
     const Doubles3 p = d * t;
     const Doubles3 gap = Doubles3{x.clamped(p.x), y.clamped(p.y), z.clamped(p.z)} - p;
     return {t, straight, face, gap, slabs.last_face()};
 }
 HWY_INLINE Meeting sweep_box(const WidePath& path, const Doubles3& lower, const Doubles3& upper, DoubleMask& sure) {
-    const BoxMeeting met = meet_box(path, lower, upper, sure);
-    if (none(!met.straight)) return {met.t, met.face};
+    const BoxMeeting met = meet_box<false>(path, lower, upper, Doubles(kNoContact), sure);
+    if (none((met.t < Doubles(kNoContact)) & !met.straight)) return {met.t, met.face};
     return {met.t, select(met.straight, met.face, direction(met.gap, path, met.last))};
 }
 

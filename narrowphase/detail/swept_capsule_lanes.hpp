@@ -194,7 +194,8 @@ HWY_INLINE WideTouch sweep_prism(const WidePath& path, const Doubles3& axis, con
     const Doubles height = -dot(n, cap.q), depth = dot(n, axis);  // of the start over one end, and how far below is the other
     const DoubleMask thick = abs(depth) > cap.slack;
     sure = sure & !cap.needle;
-    DoubleMask inside = thick & select_mask(depth > zero, (height <= zero) & (height + depth >= zero), (height >= zero) & (height + depth <= zero));
+    DoubleMask inside =
+        thick & select_mask(depth > zero, (height <= zero) & (height + depth >= zero), (height >= zero) & (height + depth <= zero));
     const WideSide walls[3] = {{path, p, sides[0], -axis}, {path, q, sides[1], -axis}, {path, r, sides[2], -axis}};
     Doubles rim_all = cap.rim;
     WideSides faces;
@@ -212,8 +213,7 @@ HWY_INLINE WideTouch sweep_prism(const WidePath& path, const Doubles3& axis, con
     Doubles share(0.0);
     const Doubles on_cap = cap.sweep<FaceKind::Triangle>(path, cap.q + by, towards, share);
     const Doubles3 below = path.motion * on_cap - by;
-    WideTouch first =
-        earlier(faces.touch(path), {on_cap, towards * path.size, path.motion, below - n * dot(n, below - cap.q)});
+    WideTouch first = earlier(faces.touch(path), {on_cap, towards * path.size, path.motion, below - n * dot(n, below - cap.q)});
     const WideDirection along_axis(path, -axis);
     sure = sure & along_axis.sure();
     const Doubles rim_axis = path.radius + rim_all, ends = rim_axis + Doubles(kGrowth) * path.size;
@@ -342,11 +342,11 @@ struct WideRod {
                 back<kAxis>({on_k, q_i, q_j})};
     }
 
-    HWY_INLINE WideTouch sweep_end(const Doubles3& by, DoubleMask& sure) const {
+    HWY_INLINE WideTouch sweep_end(const Doubles3& by, Doubles before, DoubleMask& sure) const {
         WidePath grown = path;
         grown.radius = path.radius + Doubles(3.0) * slack;
         const Doubles3 low = lower + by, high = upper + by;
-        const BoxMeeting met = meet_box(grown, low, high, sure);
+        const BoxMeeting met = meet_box<true>(grown, low, high, before, sure);
         const Doubles3 p = path.motion * met.t - by;
         return {met.t, select(met.straight, met.face * path.size, met.gap), met.last, clamped(p, lower, upper)};
     }
@@ -356,13 +356,13 @@ struct WideRod {
         DoubleMask inside = sure & (lower.x - greatest(axis.x, zero) <= zero) & (upper.x - least(axis.x, zero) >= zero) &
                             (lower.y - greatest(axis.y, zero) <= zero) & (upper.y - least(axis.y, zero) >= zero) &
                             (lower.z - greatest(axis.z, zero) <= zero) & (upper.z - least(axis.z, zero) >= zero);
-        WideTouch first = sweep_corners(sure);
-        first = earlier(first, sweep_side<0>(inside, whole));
+        WideTouch first = sweep_side<0>(inside, whole);
         first = earlier(first, sweep_side<1>(inside, whole));
         first = earlier(first, sweep_side<2>(inside, whole));
-        first = earlier(first, sweep_end(zero3(), sure));
-        first = earlier(first, sweep_end(-axis, sure));
+        first = earlier(first, sweep_corners(sure));
         first.t = select(inside, zero, first.t);
+        first = earlier(first, sweep_end(zero3(), first.t, sure));
+        first = earlier(first, sweep_end(-axis, first.t, sure));
         return first;
     }
 };
