@@ -1,5 +1,6 @@
 // The step, on one page. docs/step.md explains each stage.
 #include <carom/core/check.hpp>
+#include <carom/dynamics/detail/contact_writer.hpp>
 #include <carom/dynamics/detail/integrator.hpp>
 #include <carom/dynamics/detail/room.hpp>
 #include <carom/dynamics/detail/step.hpp>
@@ -194,24 +195,25 @@ void World::Impl::find_contacts(dynamics::Step& step, const dynamics::Motion& mo
     if (!std::exchange(taken_over, true)) take_over_contacts(step);
     step.run(Stage::Collide, [&] {
         const PlacedShapes placed{proxies.shapes, proxies.poses, true};
-        contacts.clear();
-        const CollideCounts counts = reuses ? collide_again(placed) : collide(placed, candidates, threads(), collide_scratch, [&](std::size_t i, std::span<const Manifold> found) {
-            for (const Manifold& manifold : found) contacts.append(manifold, static_cast<std::uint32_t>(i));
-        });
+        dynamics::ContactWriter writer(contacts);
+        const auto take = [&](std::size_t i, std::span<const Manifold> found) {
+            for (const Manifold& manifold : found) writer.add(manifold, static_cast<std::uint32_t>(i));
+        };
+        CollideCounts counts;
+        if (reuses) {  // these are kept whole, for the next step
+            counts = collide(placed, candidates, last_manifolds, threads(), collide_scratch, found_manifolds);
+            for (const Manifold& manifold : found_manifolds) writer.add(manifold, manifold.pair);
+            std::swap(last_manifolds, found_manifolds);
+        } else {
+            counts = collide(placed, candidates, threads(), collide_scratch, take);
+        }
+        writer.finish();
         step.report.undecided = counts.undecided;
         step.report.reused = counts.reused;
         const auto pair_of = [&](std::uint32_t i) { return dynamics::contact_pair(proxies, candidates[i]); };
         dynamics::link_manifolds(contacts, pair_of, previous, impulse_scale(motion.dt), threads());
         candidates.release();
     });
-}
-
-// Of pairs that have hardly moved the manifolds are carried along. These are kept whole, for the next step.
-CollideCounts World::Impl::collide_again(const PlacedShapes& placed) {
-    const CollideCounts counts = collide(placed, candidates, last_manifolds, threads(), collide_scratch, found_manifolds);
-    for (const Manifold& manifold : found_manifolds) contacts.append(manifold, manifold.pair);
-    std::swap(last_manifolds, found_manifolds);
-    return counts;
 }
 
 void World::Impl::find_passing(dynamics::Step& step, const dynamics::Motion& motion) {

@@ -102,7 +102,11 @@ void carry_part(ContactSet& contacts, const CarriedContacts& before, float scale
         while (old != old_pairs.end() && old->key < pair.key) ++old;
         const bool known = old != old_pairs.end() && old->is(pair);
         for (std::uint32_t m = pair.first_manifold; m < pair.first_manifold + pair.manifold_count; ++m) {
-            if (known) carry_impulses(contacts.points_of(contacts.manifolds[m]), before.points_of(*old), scale, contacts.impulses_of(m));
+            if (known) {
+                carry_impulses(contacts.points_of(contacts.manifolds[m]), before.points_of(*old), scale, contacts.impulses_of(m));
+            } else {
+                std::ranges::fill(contacts.impulses_of(m), PointImpulse{});
+            }
         }
     }
 }

@@ -187,7 +187,6 @@ struct World::Impl {
     void note_moved_contacts();
     void take_over_contacts(dynamics::Step& step);
     void trim_lists();
-    CollideCounts collide_again(const PlacedShapes& placed);
     void find_contacts(dynamics::Step& step, const dynamics::Motion& motion);
     [[nodiscard]] dynamics::CalmRule calm_rule() const;
     [[nodiscard]] bool choose_looked(double dt);

@@ -49,8 +49,9 @@ struct Flyer {
         bodies.masses.resize(1);
         NewProxy proxy;
         proxy.shape = some_shape(kind);
-        proxy.local = kind % 3 == 0 ? Pose{} : Pose{some_vector(random, 1.0), test::random_rotation(random)};
-        proxy.reach = glm::length(proxy.local.position) + bounding_radius(proxy.shape);
+        const Pose local = kind % 3 == 0 ? Pose{} : Pose{some_vector(random, 1.0), test::random_rotation(random)};
+        proxy.local = LocalPose(local);
+        proxy.reach = glm::length(local.position) + bounding_radius(proxy.shape);
         proxy.extent = smallest_extent(proxy.shape);
         proxy.id = {0, 1};
         put_proxy(proxies, proxy, {});
