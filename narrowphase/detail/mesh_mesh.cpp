@@ -128,22 +128,24 @@ bool shows_back(const PairFrame& pair, const TriangleMesh& a, const TriangleMesh
 
 // Leaders see what is around them: of what is deep in each other, features are led out that the whole would take another way. Where there is
 // a way out of the whole, it takes the place of all that is deeper.
-void add_way_out(const PairFrame& pair, const LeaderLimits& limits, double smaller, const Pose& b_in_a, Workspace& workspace) {
+// @return Undecided where none is known and the leaders do not lead out.
+CollideStatus add_way_out(const PairFrame& pair, const LeaderLimits& limits, double smaller, const Pose& b_in_a, Workspace& workspace) {
     MeshContact& contact = workspace.meshes;
     std::vector<Leader>& leaders = contact.finder.leaders;
-    if (contact.meeting.empty()) return;
+    if (contact.meeting.empty()) return CollideStatus::Ok;
     const TriangleMesh &a = *as<TriangleMeshPtr>(pair.first), &b = *as<TriangleMeshPtr>(pair.second);
     const auto meets = [&](const dvec3& motion) {
         return meshes_overlap(a.bvh(), b.bvh(), {b_in_a.position - motion, b_in_a.orientation});
     };
     const std::optional<Leader> way = workspace.ways.find(contact.finder, contact.faces, {kDeepShare * smaller, limits.tolerance}, meets);
-    if (!way) return;
+    if (!way) return workspace.ways.unfreed() ? CollideStatus::Undecided : CollideStatus::Ok;
     // What is as deep along the same way stays: it holds the other corners.
     std::erase_if(leaders, [&](const Leader& l) {
         const bool along = glm::dot(l.normal, way->normal) > kFaceCosine && l.separation >= way->separation - limits.tolerance;
         return l.separation < way->separation + limits.tolerance && !along;
     });
     leaders.push_back(*way);
+    return CollideStatus::Ok;
 }
 
 // Of two meshes whose surfaces are apart: one that lies wholly inside of another that is closed is led out by its first vertex.
@@ -174,6 +176,7 @@ CollideStatus mesh_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSin
     const double smaller = std::min(box_of(a).diagonal, box_of(b).diagonal);
     LeaderLimits limits;
     limits.tolerance = kPointTolerance * smaller;
+    CollideStatus status = CollideStatus::Ok;
     const Pose b_in_a{pair.translation, glm::quat_cast(pair.rotation)};
 
     // Nearest first: what is farther than the first contacts by more than a share of the size says nothing.
@@ -191,7 +194,7 @@ CollideStatus mesh_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSin
                 contact.finder.add_parting(contact.first, contact.second, contact.meeting.front());
             }
             if (!contact.finder.leaders.empty()) {
-                add_way_out(pair, limits, smaller, b_in_a, workspace);
+                status = add_way_out(pair, limits, smaller, b_in_a, workspace);
                 break;
             }
         }
@@ -199,7 +202,7 @@ CollideStatus mesh_mesh(const PairFrame& pair, Workspace& workspace, ManifoldSin
         return look_inside(pair, limits, workspace, sink);
     }
     emit_patches(contact, limits, pair.steady, workspace.polygons.candidates, sink);
-    return contact.finder.incomplete ? CollideStatus::Undecided : CollideStatus::Ok;
+    return contact.finder.incomplete ? CollideStatus::Undecided : status;
 }
 
 }  // namespace carom::detail

@@ -151,6 +151,7 @@ bool WayOutFinder::crosses_at_length(const LeaderFinder& finder, double deep) co
 std::optional<Leader> WayOutFinder::find(const LeaderFinder& finder, const PlacedFaces& faces, const WayOutLimits& limits,
                                          FunctionRef<bool(const dvec3& motion)> meets) {
     const double tolerance = limits.tolerance;
+    unfreed_ = false;
     collect_points(finder, faces);
     if (first_.empty() || second_.empty() || finder.leaders.empty()) return std::nullopt;
     const double deepest = deepest_of(finder.leaders);
@@ -172,6 +173,7 @@ std::optional<Leader> WayOutFinder::find(const LeaderFinder& finder, const Place
         if (way.depth > deepest + tolerance && !meets(motion_of(finder.leaders, tolerance))) return std::nullopt;
         return Leader{way.normal, -way.depth, way.deepest - (0.5 * way.depth) * way.normal, feature_name(FeatureKind::Edges, 0, 0), false, false, true};
     }
+    unfreed_ = meets(motion_of(finder.leaders, tolerance));
     return std::nullopt;
 }
 

@@ -29,6 +29,9 @@ public:
     [[nodiscard]] std::optional<Leader> find(const LeaderFinder& finder, const PlacedFaces& faces, const WayOutLimits& limits,
                                              FunctionRef<bool(const dvec3& motion)> meets);
 
+    /// @return whether the last find() knew no way out, and the leaders together do not lead out either.
+    [[nodiscard]] bool unfreed() const noexcept { return unfreed_; }
+
 private:
     struct Way {
         dvec3 normal{0.0};
@@ -47,6 +50,7 @@ private:
     std::vector<dvec3> first_, second_;  // points of the two stretches
     std::vector<Way> ways_;
     std::vector<std::uint32_t> order_;  // ways that are left
+    bool unfreed_ = false;
 };
 
 }  // namespace carom::detail

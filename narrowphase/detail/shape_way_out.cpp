@@ -22,6 +22,9 @@ constexpr std::size_t kMostTries = 24;
 // Times that a motion is made longer for what is met on the way.
 constexpr int kMostStretches = 6;
 
+// Patches lead out where no more than this share of what counts as deep is left: they are those of triangles, which curve away.
+constexpr double kLeft = 0.5;
+
 // Rounds in which motions along several normals are put together, and in which a point common to a triangle and a box is looked for.
 constexpr int kRounds = 8;
 
@@ -185,7 +188,7 @@ ShapeWayOut::Verdict ShapeWayOut::find(const PairFrame& pair, const Aabb& bounds
     if (!is_deep) return Verdict::Right;
     const dvec3 said = motion_of(surface.patches, shape.tolerance);
     meet(pair, bounds, shape, said);
-    const bool leads_out = met_.empty();
+    const bool leads_out = std::ranges::none_of(met_, [&](const Met& met) { return met.axis.separation < -kLeft * shape.deep; });
     meet(pair, bounds, shape, dvec3{0.0});
     if (met_.empty() || (leads_out && !looks_both_ways())) return Verdict::Right;
     first_met_.swap(met_);

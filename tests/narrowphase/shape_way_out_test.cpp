@@ -166,7 +166,7 @@ struct Found {
     int met = 0, held = 0, held_unsaid = 0;
 };
 
-// What is said leads out of all walls, or is said to be undecided.
+// What is said leads out of all walls, to 2 mm, or is said to be undecided.
 TEST(ShapeWayOut, RodsThroughWallsAreLedOut) {
     for (int kind = 0; kind < 5; ++kind) {
         Found found;
@@ -182,7 +182,7 @@ TEST(ShapeWayOut, RodsThroughWallsAreLedOut) {
                 const CollideStatus status = collide({&rod, &bin.surface, at, {}, 0.0f}, 0, m);
                 ASSERT_FALSE(m.empty()) << kind << " " << i;
                 for (const Manifold& x : m) ASSERT_NEAR(glm::length(dvec3(x.normal)), 1.0, 1e-6);
-                const bool held = deepest_in(bin, rod, at, motion_of(m)) > 1e-3;
+                const bool held = deepest_in(bin, rod, at, motion_of(m)) > 2e-3;
                 found.held += held;
                 found.held_unsaid += held && status == CollideStatus::Ok;
             }
