@@ -54,9 +54,8 @@ struct NumberedPair {
 /// How a pair was decided; anything but Ok is counted in StepReport.
 enum class CollideStatus : unsigned char {
     Ok,         ///< decided within the documented bound
-    Undecided,  ///< an iteration stopped at its cap, one mesh is inside of another, or a shape is deep in a mesh and no way out of the whole was
-                ///< found: contact is reported and its depth is true along its normal, but another direction may be shallower, or what is met
-                ///< besides may be in the way
+    Undecided,  ///< an iteration stopped at its cap, one mesh is inside of another, or no way out of a mesh was found: contact is reported, as deep
+                ///< as it is along its normal; another direction may be shallower, and of the last the way may be barred
 };
 
 /// @return whether the table has a kernel for the two types in this or the other order. It has one for every two types but Plane and

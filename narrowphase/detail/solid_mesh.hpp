@@ -13,6 +13,7 @@
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <utility>
 
 namespace carom::detail {
 
@@ -54,8 +55,11 @@ template <class Reach>
         own[static_cast<std::size_t>(k)] = reach(axes[k]) + reach(-axes[k]);
         room[static_cast<std::size_t>(k)] = solid.local_bounds().upper[k] - solid.local_bounds().lower[k];
     }
-    std::ranges::sort(own);
-    std::ranges::sort(room);
+    for (std::array<double, 3>* edges : {&own, &room}) {  // shortest first
+        if ((*edges)[1] < (*edges)[0]) std::swap((*edges)[0], (*edges)[1]);
+        if ((*edges)[2] < (*edges)[1]) std::swap((*edges)[1], (*edges)[2]);
+        if ((*edges)[1] < (*edges)[0]) std::swap((*edges)[0], (*edges)[1]);
+    }
     if (!(own[0] < kWedged * room[0] && own[1] < kWedged * room[1] && own[2] < kWedged * room[2])) return false;
     double inside = std::numeric_limits<double>::infinity(), outside = 0.0;
     for (const ConvexHull::Face& face : solid.faces()) {

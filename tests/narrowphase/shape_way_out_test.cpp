@@ -29,7 +29,8 @@ struct Bin {
         };
         std::vector<vec3> vertices;
         for (int n = 0; n < 64; ++n) {
-            vertices.push_back({x[static_cast<std::size_t>(n / 16)], x[static_cast<std::size_t>(n / 4 % 4)], x[static_cast<std::size_t>(n % 4)]});
+            vertices.push_back(
+                {x[static_cast<std::size_t>(n / 16)], x[static_cast<std::size_t>(n / 4 % 4)], x[static_cast<std::size_t>(n % 4)]});
         }
         std::vector<TriangleMesh::Triangle> triangles;
         for (int n = 0; n < 27; ++n) {
@@ -73,7 +74,8 @@ double deepest_in(const Bin& bin, const Shape& shape, Pose at, const dvec3& moti
     at.position += motion;
     double deepest = 0.0;
     for (const Shape& wall : bin.walls) {
-        for (const Manifold& m : collide_all(shape, at, wall, {}, 0.0f)) deepest = std::max(deepest, -static_cast<double>(least_separation(m)));
+        for (const Manifold& m : collide_all(shape, at, wall, {}, 0.0f))
+            deepest = std::max(deepest, -static_cast<double>(least_separation(m)));
     }
     return deepest;
 }
@@ -154,11 +156,16 @@ private:
 
 Shape rod_of(int kind, float half) {
     switch (kind) {
-        case 0: return Box{{0.015f, half, 0.015f}};
-        case 1: return Capsule{0.015f, half};
-        case 2: return Cylinder{0.015f, half};
-        case 3: return Cone{0.03f, half};
-        default: return hull_of(corners_of(Box{{0.02f, half, 0.0125f}}));
+        case 0:
+            return Box{{0.015f, half, 0.015f}};
+        case 1:
+            return Capsule{0.015f, half};
+        case 2:
+            return Cylinder{0.015f, half};
+        case 3:
+            return Cone{0.03f, half};
+        default:
+            return hull_of(corners_of(Box{{0.02f, half, 0.0125f}}));
     }
 }
 
