@@ -14,7 +14,8 @@
 //              farthest point plus both radii (of half-spaces motion and offset besides, of capsules A's axis), plus 1e-69 m; t is rounded
 //              downward to T.
 //              Of capsules against boxes k is 160. Of triangles whose largest angle is a, and of edges that meet at the angle a, k is 160 and
-//              it is k eps S / sin a, but never more than 3e-7 S. So contact is reported at most that much too early, measured along the normal, and only what passes
+//              it is k eps S / sin a, but never more than 3e-7 S. So contact is reported at most that much too early, measured along the normal,
+//              and only what passes
 //              within that is made up.
 //   Bad input  NaN or infinity, a negative radius or half extent, an inverted box, a plane's normal shorter than 1e-140, coordinates
 //              beyond 1e70: Invalid.
@@ -23,7 +24,7 @@
 //
 // Method: a moving sphere touches S where its centre, a ray, meets S grown by the radius (Ericson, Real-Time Collision Detection, 2005, sec.
 // 5.5): the union of the faces moved outward, cylinders about the edges and balls about the corners. A moving capsule besides meets
-// edges with its axis: the ray meets the parallelogram of the two, grown; several pairs at once, of which the single call is one, since that is faster too. Departure: of boxes the squared distance along the ray, which
+// edges with its axis: the ray meets the parallelogram of the two, grown; the single call is a batch of one. Departure: of boxes the squared distance along the ray, which
 // is convex and quadratic between the crossings of the slabs, is solved piece by piece, which needs no regions (sec. 5.5.7 there misses rays
 // that pass from the region of one edge by a corner to that of another). Cylinders, whose grown rim is a torus: the distance of a convex set is convex along a
 // line, so where the plane between the two closest points lets them meet is before they do, and next to it in a few such steps (van den Bergen 2004 with
@@ -123,15 +124,15 @@ template <class A, class B, class T>
 void sweep_together(std::span<const A> a, std::span<const Vec3<T>> motions, std::span<const B> b, std::span<BasicImpact<T>> out);
 /// What sweep_together() takes.
 template <class A, class B, class T>
-inline constexpr bool kSweptTogether = std::is_same_v<B, Cylinder<T>>
-                                           ? std::is_same_v<A, Sphere<T>>
-                                           : (std::is_same_v<A, Sphere<T>> || std::is_same_v<A, Capsule<T>>) &&
-                                                 (std::is_same_v<B, Plane<T>> || std::is_same_v<B, Sphere<T>> || std::is_same_v<B, Capsule<T>> ||
-                                                  std::is_same_v<B, Aabb<T>> || std::is_same_v<B, Obb<T>> || std::is_same_v<B, Triangle<T>>);
+inline constexpr bool kSweptTogether = std::is_same_v<B, Cylinder<T>> ? std::is_same_v<A, Sphere<T>>
+                                                                      : (std::is_same_v<A, Sphere<T>> || std::is_same_v<A, Capsule<T>>)&&(
+                                                                            std::is_same_v<B, Plane<T>> || std::is_same_v<B, Sphere<T>> ||
+                                                                            std::is_same_v<B, Capsule<T>> || std::is_same_v<B, Aabb<T>> ||
+                                                                            std::is_same_v<B, Obb<T>> || std::is_same_v<B, Triangle<T>>);
 
 /// Batches: a[i] by motions[i] against b[i], the same bits as of the single call. For every pair of types above but meshes.
 /// Cost: several at once, spheres against planes, spheres, capsules, boxes and triangles 11 to 45 ns, against cylinders 85; capsules against planes and
-/// spheres 12 to 22 ns, against capsules, boxes and triangles 45 to 75. What else there is, one by one.
+/// spheres 12 to 22 ns, against capsules, boxes and triangles 33 to 67. What else there is, one by one.
 /// @param motions, b, out  (n,) as a; otherwise reports misuse and changes nothing.
 template <class A, class B, class T>
 void sweep(std::span<const A> a, std::span<const Vec3<T>> motions, std::span<const B> b, std::span<BasicImpact<T>> out) {
