@@ -131,7 +131,7 @@ void DirectIslands::forget_lost_loads(std::span<const std::uint32_t> bodies, std
                                       const DirectWorld& world) const {
     if (!was_held(bodies)) return;
     for (const std::uint32_t m : manifolds) {
-        if (stiff_.loads()[m] > kStruck * weight) world.contacts.impulses[m] = {};
+        if (stiff_.loads()[m] > kStruck * weight) std::ranges::fill(world.contacts.impulses_of(m), PointImpulse{});
     }
 }
 
