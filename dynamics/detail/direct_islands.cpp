@@ -196,7 +196,7 @@ void DirectIslands::put_down(const Island& island, const DirectWorld& world, con
     if (shape.impact) return;
     for (std::size_t i = 0; i < bodies.size(); ++i) local_of_slot_[bodies[i]] = static_cast<std::int32_t>(i);
     Memory& memory = memory_of(bodies.front());
-    memory.stiffness = {kSlopShare * shape.extent, kBaumgarteSteps * step.dt, std::numeric_limits<double>::infinity(), {}};
+    memory.stiffness = {kSlopShare * shape.extent, kBaumgarteSteps * step.dt, std::numeric_limits<double>::infinity(), shape.height, {}};
     memory.loads.assign(manifolds.size(), 1.0);  // of no meaning where contacts are rigid
     tasks_.push_back({island, &memory});
 }

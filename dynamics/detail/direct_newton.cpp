@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace carom::dynamics {
 namespace {
@@ -39,7 +40,7 @@ double slip_speed(const DirectProblem& problem, const DirectContact& c) {
 
 bool DirectNewton::analyse(std::size_t bodies, std::span<const ContactLink> links, std::size_t most_operations) {
     has_factor_ = false;
-    const std::size_t before = edge_bodies_;
+    const std::size_t before = std::exchange(edge_bodies_, 0);  // until it is done: nothing is known of a graph whose analysis threw
     before_.swap(edges_);
     edges_.clear();
     edge_of_.clear();
@@ -49,15 +50,16 @@ bool DirectNewton::analyse(std::size_t bodies, std::span<const ContactLink> link
         if (joins && (edges_.empty() || !(edges_.back() == BlockEdge{link.a, link.b}))) edges_.push_back({link.a, link.b});
         edge_of_.insert(edge_of_.end(), link.points, joins ? static_cast<std::int32_t>(edges_.size()) - 1 : -1);
     }
-    edge_bodies_ = bodies;
-    if (before == bodies && before_ == edges_) return true;
-    ++orders_;
-    const bool affordable = factor_.analyse(static_cast<std::int32_t>(bodies), edges_, most_operations);
-    if (!affordable) {
-        edge_bodies_ = 0;
-        drop(edges_, before_, edge_of_);  // of a large island, which will not be asked about again soon
+    const bool known = before == bodies && before_ == edges_;
+    if (!known) {
+        ++orders_;
+        if (!factor_.analyse(static_cast<std::int32_t>(bodies), edges_, most_operations)) {
+            drop(edges_, before_, edge_of_);  // of a large island, which will not be asked about again soon
+            return false;
+        }
     }
-    return affordable;
+    edge_bodies_ = bodies;
+    return true;
 }
 
 void DirectNewton::evaluate(const DirectProblem& problem) {

@@ -22,7 +22,7 @@ constexpr double kLeastSag = 1e-6;
 /// Of what gravity does to a velocity in a step: errors of momentum, and of how fast what slides is lifted, which is the error of its friction.
 constexpr double kSpeedShare = 1e-6, kSlipShare = 0.005;
 
-/// What all overlaps of an island throw its top up by, where each pushes as hard as it may: this share of the smallest extent. There is no pass that takes out what they
+/// What all overlaps of an island throw its top up by, where each pushes as hard as it may: this share of the smaller shape's smallest extent. There is no pass that takes out what they
 /// were pushed apart with, as the soft solver has.
 constexpr double kHopShare = 0.01;
 
@@ -111,10 +111,15 @@ IslandStiffness stiffness_of(const IslandShape& shape, const DirectStep& step) n
     IslandStiffness out;
     out.sag = sag;
     out.relaxation = kRelaxationSteps * step.long_dt;
-    out.most_push = std::sqrt(2.0 * glm::length(step.gravity) * kHopShare * shape.extent) / slender;
+    out.hop = std::sqrt(2.0 * glm::length(step.gravity) * kHopShare);
+    out.height = shape.height;
     out.tolerances.speed_tolerance = kSpeedShare * glm::length(step.gravity) * step.dt;
     out.tolerances.slip_tolerance = kSlipShare * glm::length(step.gravity) * step.dt;
     return out;
+}
+
+double IslandStiffness::most_push(double extent, std::size_t bodies) const noexcept {
+    return hop * std::sqrt(extent) / std::clamp(height / extent, 1.0, static_cast<double>(std::max<std::size_t>(bodies, 1)));
 }
 
 void fill_problem(const DirectWorld& world, const IslandLists& island, const IslandStiffness& stiffness, const DirectStep& step,
@@ -136,7 +141,12 @@ void fill_problem(const DirectWorld& world, const IslandLists& island, const Isl
         c.normal = glm::normalize(dvec3{manifold.normal});
         c.friction = surfaces_of(world.proxies, pair, manifold).friction;
         c.softness = stiffness.sag / (island.loads[i] * dt * slow);
-        const double push_limit = std::min(step.max_push * extent_of(world.proxies, pair) / dt, stiffness.most_push);
+        const double extent = extent_of(world.proxies, pair);
+        const double push_limit = std::min(step.max_push * extent / dt, stiffness.most_push(extent, bodies.size()));
+        // All points of a manifold push by as much less than they would: a difference between them is what rights a body that leans.
+        double deepest = 0.0;
+        for (const ContactPoint& point : world.contacts.points_of(manifold)) deepest = std::min(deepest, static_cast<double>(point.separation));
+        const double held_back = std::max(-deepest / slow - push_limit, 0.0);
         for (std::size_t k = 0; k < world.contacts.solved_points(m); ++k) {
             const ContactPoint& point = world.contacts.points[manifold.first_point + k];
             const dvec3 at = world.proxies.poses[pair.proxy_a()].position + dvec3{point.position};
@@ -146,7 +156,7 @@ void fill_problem(const DirectWorld& world, const IslandLists& island, const Isl
             c.drift = dvec3{0.0};
             if (c.a == kNoBody) c.drift -= point_velocity(a, at);
             if (c.b == kNoBody) c.drift += point_velocity(b, at);
-            c.bias = separation > 0.0 ? separation / dt : std::max(separation / slow, -push_limit);
+            c.bias = separation > 0.0 ? separation / dt : std::min(separation / slow + held_back, 0.0);
             const dvec3 friction = static_cast<double>(step.substeps) * dvec3{world.contacts.impulses_of(m)[k].friction};
             c.friction_guess = friction - glm::dot(friction, c.normal) * c.normal;
             problem.contacts.push_back(c);

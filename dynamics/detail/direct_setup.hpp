@@ -45,8 +45,13 @@ struct IslandShape {
 struct IslandStiffness {
     double sag = 0.0;         ///< of a point that bears its manifold's load alone [m]
     double relaxation = 0.0;  ///< tau: overlap beyond the sag goes away in such a time [s]
-    double most_push = 0.0;   ///< at this speed at most [m/s]
+    double hop = 0.0;         ///< and no faster than what lifts the island's top by a share of an extent e, over √e [√m/s]
+    double height = 0.0;      ///< of the island [m]
     DirectSettings tolerances;
+
+    /// @param extent  of the smaller of two shapes, so many of which the island is high, or as many as it has bodies
+    /// @return how fast overlap of theirs may be pushed out [m/s]
+    [[nodiscard]] double most_push(double extent, std::size_t bodies) const noexcept;
 };
 [[nodiscard]] IslandStiffness stiffness_of(const IslandShape& shape, const DirectStep& step) noexcept;
 

@@ -1,3 +1,4 @@
+#include <carom/collision/ray_cast.hpp>
 #include <carom/collision/triangle_mesh.hpp>
 #include <carom/narrowphase/detail/mesh_side.hpp>
 #include <carom/narrowphase/detail/shape_way_out.hpp>
@@ -19,6 +20,10 @@ constexpr std::size_t kMostDirections = 256;
 constexpr std::size_t kMostTriangles = 1024;
 constexpr std::size_t kMostTries = 24;
 
+// What a search may take, a triangle held against a direction as the unit, and what a triangle takes that is held against the shape: a millisecond or
+// so. What is met by more triangles than that is left to them, however deep.
+constexpr std::size_t kMostWork = 50'000, kWorkOfAxis = 16;
+
 // Times that a motion is made longer for what is met on the way.
 constexpr int kMostStretches = 6;
 
@@ -38,6 +43,9 @@ constexpr double kLonger = 4.0;
 
 // What is not as thick as this many times the shape's least extent is no room for it, but a thin part.
 constexpr double kThinPart = 1.5;
+
+// What is longer than this many times its least extent is long.
+constexpr double kLong = 4.0;
 
 double depth_of(const Patch& patch) noexcept {
     double least = patch.points[0].separation;
@@ -76,11 +84,17 @@ bool is_in_front(const TriangleMesh& mesh, const dvec3& p) {
 
 }  // namespace
 
-void ShapeWayOut::meet(const PairFrame& pair, const Aabb& bounds, const DeepShape& shape, const dvec3& motion) {
+bool ShapeWayOut::spend(std::size_t work) noexcept {
+    work_left_ -= std::min(work, work_left_);
+    return work_left_ > 0;
+}
+
+bool ShapeWayOut::meet(const PairFrame& pair, const Aabb& bounds, const DeepShape& shape, const dvec3& motion) {
     const TriangleMesh& mesh = *as<TriangleMeshPtr>(pair.second);
     const dvec3 in_mesh = motion * pair.rotation;
     met_.clear();
     mesh.overlap({bounds.lower + in_mesh, bounds.upper + in_mesh}, [&](std::uint32_t index) {
+        if (!spend(kWorkOfAxis)) return false;
         const std::array<vec3, 3> c = mesh.corners(index);
         Met met{{pair.to_first(dvec3(c[0])), pair.to_first(dvec3(c[1])), pair.to_first(dvec3(c[2]))}, {}, {}};
         met.corners = moved(met.corners, -motion);
@@ -90,10 +104,11 @@ void ShapeWayOut::meet(const PairFrame& pair, const Aabb& bounds, const DeepShap
         met_.push_back(met);
         return true;
     });
+    return work_left_ > 0;
 }
 
-bool ShapeWayOut::looks_both_ways() const noexcept {
-    for (std::size_t i = 1; i < met_.size(); ++i) {
+bool ShapeWayOut::looks_both_ways() noexcept {
+    for (std::size_t i = 1; i < met_.size() && spend(i / 4 + 1); ++i) {
         for (std::size_t k = 0; k < i; ++k) {
             if (glm::dot(met_[i].face, met_[k].face) < kAway) return true;
         }
@@ -120,8 +135,11 @@ void ShapeWayOut::offer(const dvec3& along, double most, const DeepShape& shape)
     if (tries_.size() >= kMostDirections || !(length > 0.0)) return;
     Try way{along / length, 0.0};
     if (std::ranges::any_of(tries_, [&](const Try& t) { return glm::dot(t.along, way.along) > kSquareCosine; })) return;
-    for (const Met& met : first_met_) way.length = std::max(way.length, leaving(met, way.along, shape));
-    if (way.length < most) tries_.push_back(way);
+    for (const Met& met : first_met_) {
+        way.length = std::max(way.length, leaving(met, way.along, shape));
+        if (!spend(1) || way.length >= most) return;
+    }
+    tries_.push_back(way);
 }
 
 void ShapeWayOut::collect_ways(const PairFrame& pair, const Aabb& bounds, double most, const DeepShape& shape) {
@@ -145,7 +163,7 @@ void ShapeWayOut::collect_ways(const PairFrame& pair, const Aabb& bounds, double
                 offer(across, most, shape);
                 offer(-across, most, shape);
             }
-            return --left > 0;
+            return --left > 0 && work_left_ > 0;
         });
     }
 }
@@ -154,7 +172,7 @@ std::optional<double> ShapeWayOut::length_of(const PairFrame& pair, const Aabb& 
                                              double most) {
     double length = way.length;
     for (int k = 0; k < kMostStretches && length < most; ++k) {
-        meet(pair, bounds, shape, length * way.along);
+        if (!meet(pair, bounds, shape, length * way.along)) return std::nullopt;
         if (met_.empty()) return length;
         double more = 0.0;
         for (const Met& met : met_) more = std::max(more, leaving(met, way.along, shape));
@@ -169,6 +187,18 @@ bool ShapeWayOut::belongs_outside(const PairFrame& pair, const DeepShape& shape)
     const std::optional<SurfacePoint> surface = surface_at(mesh, pair.to_second(shape.centre));
     if (!surface || surface->separation >= 0.0) return true;
     return mesh.is_closed() && is_in_front(mesh, surface->point - kThinPart * shape.thin * surface->outward);
+}
+
+// Whether the centre comes to the side where it belongs, and not through a wall from one room to the other, unless the shape is long: of a rod in a wall the
+// centre says little of where it came from.
+bool ShapeWayOut::may_go(const PairFrame& pair, const DeepShape& shape, const dvec3& motion, bool outside) {
+    const TriangleMesh& mesh = *as<TriangleMeshPtr>(pair.second);
+    const dvec3 from = pair.to_second(shape.centre), to = pair.to_second(shape.centre + motion);
+    if (is_in_front(mesh, to) != outside) return false;
+    const double length = glm::length(to - from);
+    const dvec3 extent = shape.own.upper - shape.own.lower;
+    if (std::max({extent.x, extent.y, extent.z}) > kLong * shape.thin || is_in_front(mesh, from) != outside) return true;
+    return !cast_ray(pair.second, {.origin = from, .direction = (to - from) / length, .max_distance = length});
 }
 
 // Points of both, each found by turns in the triangle and in the shape's box, and their mean.
@@ -186,11 +216,11 @@ ShapeWayOut::Verdict ShapeWayOut::find(const PairFrame& pair, const Aabb& bounds
                                        Way& way) {
     const bool is_deep = std::ranges::any_of(surface.patches, [&](const TrianglePatch& p) { return depth_of(p.patch) < -shape.deep; });
     if (!is_deep) return Verdict::Right;
+    work_left_ = kMostWork;
     const dvec3 said = motion_of(surface.patches, shape.tolerance);
-    meet(pair, bounds, shape, said);
+    if (!meet(pair, bounds, shape, said)) return Verdict::Right;
     const bool leads_out = std::ranges::none_of(met_, [&](const Met& met) { return met.axis.separation < -kLeft * shape.deep; });
-    meet(pair, bounds, shape, dvec3{0.0});
-    if (met_.empty() || (leads_out && !looks_both_ways())) return Verdict::Right;
+    if (!meet(pair, bounds, shape, dvec3{0.0}) || met_.empty() || (leads_out && !looks_both_ways())) return Verdict::Right;
     first_met_.swap(met_);
     const double length = glm::length(said);
     double most = leads_out ? kShorter * length : std::max(kLonger * length, shape.thin);
@@ -203,8 +233,7 @@ ShapeWayOut::Verdict ShapeWayOut::find(const PairFrame& pair, const Aabb& bounds
         const Try next = *shortest;
         tries_.erase(shortest);
         const std::optional<double> depth = length_of(pair, bounds, shape, next, most);
-        if (!depth || is_in_front(*as<TriangleMeshPtr>(pair.second), pair.to_second(shape.centre + *depth * next.along)) != outside)
-            continue;
+        if (!depth || !may_go(pair, shape, *depth * next.along, outside)) continue;
         found = true;
         most = *depth;
         way = {-next.along, *depth, middle_of(shape)};

@@ -58,19 +58,23 @@ private:
         double length = 0.0;
     };
 
-    /// Replaces `met_` by the triangles that the shape meets, moved so.
-    void meet(const PairFrame& pair, const Aabb& bounds, const DeepShape& shape, const dvec3& motion);
-    [[nodiscard]] bool looks_both_ways() const noexcept;
+    /// @return whether there is any left
+    bool spend(std::size_t work) noexcept;
+    /// Replaces `met_` by the triangles that the shape meets, moved so. @return false where the work ended before it was done
+    bool meet(const PairFrame& pair, const Aabb& bounds, const DeepShape& shape, const dvec3& motion);
+    [[nodiscard]] bool looks_both_ways() noexcept;
     void offer(const dvec3& along, double most, const DeepShape& shape);
     void collect_ways(const PairFrame& pair, const Aabb& bounds, double most, const DeepShape& shape);
     [[nodiscard]] double leaving(const Met& met, const dvec3& along, const DeepShape& shape) const;
     [[nodiscard]] std::optional<double> length_of(const PairFrame& pair, const Aabb& bounds, const DeepShape& shape, const Try& way,
                                                   double most);
     [[nodiscard]] static bool belongs_outside(const PairFrame& pair, const DeepShape& shape);
+    [[nodiscard]] static bool may_go(const PairFrame& pair, const DeepShape& shape, const dvec3& motion, bool outside);
     [[nodiscard]] dvec3 middle_of(const DeepShape& shape) const noexcept;
 
     std::vector<Met> met_, first_met_;
     std::vector<Try> tries_;
+    std::size_t work_left_ = 0;
 };
 
 }  // namespace carom::detail
