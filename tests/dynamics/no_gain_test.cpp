@@ -234,5 +234,31 @@ TEST(NoGain, AStackInItselfUnderAHeavyBox) {
     EXPECT_NEAR(world.center_of_mass(top).y, 6.5, 0.01);
 }
 
+// Boxes pushed apart by the direct solve, whatever small thing lies on them.
+TEST(NoGain, OverlapGoesUnderAPebbleToo) {
+    for (const float pebble : {0.05f, 0.005f, 5e-4f}) {
+        World world({.contact_method = ContactMethod::Direct});
+        add_body(world, Plane{}, {.type = BodyType::Static});
+        for (int i = 0; i < 6; ++i) add_body(world, Box{{0.5f, 0.5f, 0.5f}}, {.position = {0.0, 0.45 + 0.95 * i, 0.0}});
+        add_body(world, Box{vec3{pebble}}, {.position = {0.0, 0.45 + 0.95 * 5 + 0.5 + static_cast<double>(pebble), 0.0}});
+        double left = 0.0;
+        for (int i = 0; i < 120; ++i) left = world.step(kDt).max_penetration;
+        EXPECT_LT(left, 1e-3) << pebble;
+    }
+}
+
+// What is held back of a push is so for all points of a manifold, or nothing would right a column that leans while it is pushed apart.
+TEST(NoGain, AColumnThatIsPushedApartStandsUpright) {
+    for (const int boxes : {30, 60}) {
+        World world({.contact_method = ContactMethod::Direct});
+        add_body(world, Plane{}, {.type = BodyType::Static});
+        BodyId top;
+        for (int i = 0; i < boxes; ++i) top = add_body(world, Box{{0.5f, 0.5f, 0.5f}}, {.position = {0.0, 0.47 + 0.97 * i, 0.0}});
+        for (int i = 0; i < 1200; ++i) world.step(kDt);
+        EXPECT_LT(std::hypot(world.center_of_mass(top).x, world.center_of_mass(top).z), 0.2) << boxes;
+        EXPECT_NEAR(world.center_of_mass(top).y, boxes - 0.5, 0.1) << boxes;
+    }
+}
+
 }  // namespace
 }  // namespace carom

@@ -92,6 +92,30 @@ TEST(UnfinishedStep, OutOfMemoryLeavesTheWorldWhole) {
     EXPECT_GT(failures, 60);
 }
 
+// A graph of contacts that was to be analysed is analysed in the next step.
+TEST(UnfinishedStep, OutOfMemoryLeavesDirectIslandsWhole) {
+    long failures = 0;
+    bool failed = true;
+    for (long n = 1; failed; ++n) {
+        World world({.contact_method = ContactMethod::Direct});
+        world.add_shape(world.create_body({.type = BodyType::Static}), Plane{});
+        for (int i = 0; i < 3; ++i) world.add_shape(world.create_body({.position = {0.0, 0.5 + i, 0.0}}), Box{{0.5f, 0.5f, 0.5f}});
+        fail_allocation(n);
+        try {
+            world.step(kDt);
+            failed = false;
+        } catch (const std::bad_alloc&) {
+            ++failures;
+        }
+        fail_allocation(-1);
+        SCOPED_TRACE(testing::Message() << "allocation " << n);
+        for (int k = 0; k < 20; ++k) world.step(kDt);
+        EXPECT_EQ(world.step(kDt).direct.solved, 1u);
+        EXPECT_NEAR(world.center_of_mass(world.bodies().back()).y, 2.5, 1e-3);
+    }
+    EXPECT_GT(failures, 60);
+}
+
 // What sleeps wakes, without the contacts that it had, and falls asleep again.
 TEST(UnfinishedStep, WhatSleepsWakes) {
     World world = heap();

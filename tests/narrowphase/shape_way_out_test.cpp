@@ -250,5 +250,28 @@ TEST(ShapeWayOut, WhatIsWedgedInARoomIsNotLedThroughTheFloor) {
     }
 }
 
+// A closed room with walls of 0.1 m, outward and inward faces: from its inside there are short ways through the walls.
+TEST(ShapeWayOut, WhatIsDeepInTheWallsOfARoomStaysInTheRoom) {
+    const TriangleMeshPtr outer = box_mesh({1.1f, 1.1f, 1.1f}, 2), inner = box_mesh({1.0f, 1.0f, 1.0f}, 2);
+    std::vector<vec3> vertices(outer->vertices().begin(), outer->vertices().end());
+    std::vector<TriangleMesh::Triangle> triangles(outer->triangles().begin(), outer->triangles().end());
+    const auto base = static_cast<std::uint32_t>(vertices.size());
+    for (const vec3& v : inner->vertices()) vertices.push_back(v);
+    for (const TriangleMesh::Triangle& t : inner->triangles()) triangles.push_back({t[0] + base, t[2] + base, t[1] + base});
+    const Shape room = *TriangleMesh::build(vertices, triangles), crate = Box{{0.3f, 0.2f, 0.25f}};
+    Random r(1400);
+    int deep = 0, out = 0;
+    for (int i = 0; i < 2000; ++i) {
+        const Pose at{{r.range(-0.99, 0.99), r.range(-0.99, 0.99), r.range(-0.99, 0.99)}, random_rotation(r)};
+        const dvec3 to = at.position + motion_of(collide_all(crate, at, room, {}, 0.0f));
+        if (glm::length(to - at.position) < 0.05) continue;
+        ++deep;
+        out += std::max({std::abs(to.x), std::abs(to.y), std::abs(to.z)}) > 1.0 ? 1 : 0;
+    }
+    RecordProperty("out", out);
+    EXPECT_GT(deep, 800);
+    EXPECT_LE(out, deep / 100);
+}
+
 }  // namespace
 }  // namespace carom
