@@ -22,8 +22,8 @@ constexpr double kLeastSag = 1e-6;
 /// Of what gravity does to a velocity in a step: errors of momentum, and of how fast what slides is lifted, which is the error of its friction.
 constexpr double kSpeedShare = 1e-6, kSlipShare = 0.005;
 
-/// What all overlaps of an island throw its top up by, where each pushes as hard as it may: this share of the smaller shape's smallest extent. There is no pass that takes out what they
-/// were pushed apart with, as the soft solver has.
+/// What all overlaps of an island throw its top up by, where each pushes as hard as it may: this share of the smaller shape's smallest extent.
+/// There is no pass that takes out what they were pushed apart with, as the soft solver has.
 constexpr double kHopShare = 0.01;
 
 struct Surfaces {
