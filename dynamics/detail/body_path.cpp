@@ -10,6 +10,8 @@ namespace {
 
 constexpr int kMostHalvings = 14;
 constexpr double kNoAxis = 1e-12;       // below this sine of half an angle the axis is that of the spin
+constexpr double kRoundShare = 0.125;   // of the bend that is let be: what is less out of round is round
+constexpr double kTurnRounding = 0x1p-49;  // of a turn, and of an angle: by what rounding changes them, here and where the piece is cut
 
 dquat conjugate(const dquat& q) noexcept { return {q.w, -q.x, -q.y, -q.z}; }
 
@@ -59,6 +61,25 @@ double most_spin_change(const BodyState& state, const BodyMass& mass, const Free
     return pushed + glm::length(change);
 }
 
+/// Whether a body's axis turns about its angular momentum and at an even rate, and nothing is seen of how it turns about that axis.
+bool turns_evenly(const BodyState& state, const BodyMass& mass, const FreeMotion& motion, const PathSettings& settings) noexcept {
+    if (mass.mass == 0.0 || mass.inertia != InertiaClass::Symmetric || (mass.locked & kLockedTurns) != 0) return false;
+    if (motion.torque != dvec3{0.0} || motion.angular_damping != 0.0 || glm::length(state.spin) * settings.dt > kMostTurn) return false;
+    return settings.out_of_round[mass.axis] <= kRoundShare * settings.most_bend;
+}
+
+/// The rate at which the axis of a symmetric body turns [rad/s].
+dvec3 rate_of_axis(const BodyState& state, const BodyMass& mass) noexcept {
+    const dvec3 momentum = mass.moments * rotate_inverse(state.pose.orientation, state.spin);
+    return mass.inverse_moments[(mass.axis + 1) % 3] * rotate(state.pose.orientation, momentum);
+}
+
+dvec3 axis_of(const BodyState& state, const BodyMass& mass) noexcept {
+    dvec3 own{0.0};
+    own[mass.axis] = 1.0;
+    return rotate(state.pose.orientation, own);
+}
+
 /// Written where it stays: numbers that have just been stored one by one are slow to copy.
 void lay_chord(const Pose& from, const Pose& to, const dvec3& turning, PathPiece& piece) noexcept {
     piece.start = from;
@@ -83,6 +104,7 @@ void BodyPath::fly(const Flight& flight, const BodyMass& mass, double begin, con
     const double pull = glm::length(motion.acceleration);
     most_pull_ = pull + motion.linear_damping * (glm::length(flight.start.velocity) + pull * settings.dt);
     most_change_ = most_spin_change(flight.start, mass, motion, settings.dt);
+    is_round_ = turns_evenly(flight.start, mass, motion, settings);
     nodes_.clear();
     add(flight.start, arrived != nullptr ? *arrived : after(flight.start, 1.0 - begin), begin, 1.0, 0);
 }
@@ -131,9 +153,17 @@ void BodyPath::add(const BodyState& from, const BodyState& to, double begin, dou
     node.from = from, node.to = to;
     node.depth = depth;
     PathPiece& piece = node.piece;
-    lay_chord(from.pose, to.pose, 0.5 * time * (from.spin + to.spin), piece);
     piece.begin = begin, piece.end = end;
     piece.sway = most_pull_ * time * time / 8.0;
+    if (is_round_) {
+        piece.start = from.pose;
+        piece.translation = to.pose.position - from.pose.position;
+        piece.rotation = time * rate_of_axis(from, *mass_);
+        const double off = glm::length(rotate(rotation_from_vector(piece.rotation), axis_of(from, *mass_)) - axis_of(to, *mass_));
+        piece.bend = piece.sway + 2.0 * settings_.out_of_round[mass_->axis] + settings_.reach * (off + kTurnRounding * (1.0 + glm::length(piece.rotation)));
+        return;
+    }
+    lay_chord(from.pose, to.pose, 0.5 * time * (from.spin + to.spin), piece);
     const double differ = std::max(glm::length(time * from.spin - piece.rotation), glm::length(time * to.spin - piece.rotation));
     piece.bend = piece.sway + settings_.reach * std::min(2.0, 0.5 * differ + most_change_ * time * time / 8.0);
 }

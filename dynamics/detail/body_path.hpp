@@ -14,6 +14,7 @@
 #include <carom/narrowphase/time_of_impact.hpp>
 
 #include <cstdint>
+#include <limits>
 #include <utility>
 #include <vector>
 
@@ -50,6 +51,7 @@ struct PathSettings {
     double dt = 0.0;         ///< of the whole step [s]
     double reach = 0.0;      ///< of the body from its centre of mass [m]
     double most_bend = 0.0;  ///< pieces that bend less are not split [m]
+    dvec3 out_of_round{std::numeric_limits<double>::infinity()};  ///< of the body about its principal axes (body_sizes.hpp) [m]
 };
 
 /// @return the screw from one pose to the other, whose turns are those nearest to `turning` [rad].
@@ -60,7 +62,8 @@ public:
     static constexpr std::uint32_t kWhole = 0;
 
     /// Takes the path from `begin` to 1 of a body that is at `flight.start` at `begin`. Sway and bend are bounds: by the largest acceleration and the largest change
-    /// of the spin that there can be.
+    /// of the spin that there can be. Of a body that nothing twists, symmetric about an axis about which its shapes are round, the path is one screw: the axis turns about the
+    /// angular momentum at an even rate. How the body turns about its own axis meanwhile is left out.
     /// @param mass  stays alive as long as the path is split.
     /// @param arrived  where the integrator has it at 1, if somebody knows; else null.
     void fly(const Flight& flight, const BodyMass& mass, double begin, const PathSettings& settings, const BodyState* arrived = nullptr);
@@ -99,6 +102,7 @@ private:
     PathSettings settings_;
     double most_pull_ = 0.0;    // [m/s²]
     double most_change_ = 0.0;  // of the spin [rad/s²]
+    bool is_round_ = false;     // about the axis about which it is symmetric, and nothing twists it
     std::vector<Node> nodes_;
 };
 

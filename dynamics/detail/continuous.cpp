@@ -199,6 +199,13 @@ void Continuous::list_strays(const ContinuousScene& scene) {
     for (const std::uint32_t slot : strays_) note_way(scene, slot, movers_[mover_of(scene, slot)].path);
 }
 
+// The velocity that the solver leaves is that of the step's end: what falls has it from all of the step's gravity, what rests has none of it.
+dvec3 Continuous::pull_on(const ContinuousScene& scene, std::uint32_t slot) const {
+    const dvec3 pull = free_moves(scene.bodies.masses[slot].locked) * scene.free_motion(slot).acceleration, gain = scene.dt * pull;
+    const double square = glm::dot(gain, gain);
+    return square > 0.0 ? std::clamp(glm::dot(scene.bodies.states[slot].velocity, gain) / square, 0.0, 1.0) * pull : dvec3{0.0};
+}
+
 BodyState Continuous::state_at(const ContinuousScene& scene, const Mover& mover, double t) const {
     if (mover.carrier != kNone) return mover.ride.after(mover.flight.start, mover.since, t, scene.dt);
     if (mover.slides) return {pose_at(mover.path.piece(BodyPath::kWhole), t), mover.flight.start.velocity, mover.flight.start.spin};
@@ -212,6 +219,7 @@ BodyState Continuous::state_at(const ContinuousScene& scene, const Mover& mover,
     if (scene.bodies.roles[mover.slot] == Role::Static) return scene.bodies.states[mover.slot];
     BodyState state = scene.bodies.states[mover.slot];
     const BodyMass& mass = scene.bodies.masses[mover.slot];
+    if (has_mass(scene.bodies.roles[mover.slot])) state.velocity -= (1.0 - t) * scene.dt * pull_on(scene, mover.slot);
     if (has_mass(scene.bodies.roles[mover.slot]) && is_slender(mass)) {
         return slender_before(state, mass, pose_at(mover.path.piece(BodyPath::kWhole), t), (1.0 - t) * scene.dt);
     }
@@ -236,7 +244,7 @@ bool Continuous::flies(const ContinuousScene& scene, std::uint32_t slot) const {
 
 PathSettings path_settings(const BodySize& size, double dt) {
     const double extent = size.extent < std::numeric_limits<double>::infinity() ? size.extent : size.reach;
-    return {dt, size.reach, std::max(kBendShare * extent, kReachShare * size.reach)};
+    return {dt, size.reach, std::max(kBendShare * extent, kReachShare * size.reach), size.out_of_round};
 }
 
 void Continuous::lay_path(const ContinuousScene& scene, Mover& mover) const {

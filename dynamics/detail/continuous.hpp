@@ -201,6 +201,8 @@ private:
 
     std::uint32_t mover_of(const ContinuousScene& scene, std::uint32_t slot);
     void lay_path(const ContinuousScene& scene, Mover& mover) const;
+    /// @return what of the pull on a body that the solver moved made it faster [m/s²].
+    [[nodiscard]] dvec3 pull_on(const ContinuousScene& scene, std::uint32_t slot) const;
     [[nodiscard]] BodyState state_at(const ContinuousScene& scene, const Mover& mover, double t) const;
 
     /// Whom the broadphase is asked for; planes and strays are visited in any case.

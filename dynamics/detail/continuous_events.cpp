@@ -17,13 +17,6 @@ constexpr std::size_t kChancesPerPair = 16;                          // bounds o
 constexpr int kNoBlow = 0, kPush = 1, kImpact = 16;  // what goes to a body's account: what is kinematic goes on, and must not find it standing still
 constexpr double kMarginShare = 1e-3;     // of the same: how far points of contact are looked for beyond that
 
-/// What the solver moved has the velocity of the step's end, and with it what gravity does in the part of the step that a body which stops does not go. Taken out,
-/// as far as that makes it slower: standing still, a body would gain speed from step to step and lose no height.
-void take_back_pull(dvec3& velocity, const dvec3& pull) noexcept {
-    const double square = glm::dot(pull, pull);
-    if (square > 0.0) velocity -= std::clamp(glm::dot(velocity, pull) / square, 0.0, 1.0) * pull;
-}
-
 }  // namespace
 
 void Continuous::run(const ContinuousScene& scene) {
@@ -174,7 +167,7 @@ void Continuous::resolve(const ContinuousScene& scene, const Event& event) {
 void Continuous::strike(const ContinuousScene& scene, std::uint32_t number, double t, const Outcome& outcome) {
     Mover& mover = movers_[number];
     if (scene.bodies.roles[mover.slot] == Role::Asleep) scene.wake(mover.slot);
-    if (!mover.flies) mover.flight.motion = {.spin_tolerance = scene.free_motion(mover.slot).spin_tolerance};
+    if (!mover.flies) mover.flight.motion = {.acceleration = pull_on(scene, mover.slot), .spin_tolerance = scene.free_motion(mover.slot).spin_tolerance};
     if (!mover.stopped || mover.carrier != kNone || mover.slides || outcome.carrier != kNone || outcome.slide) {
         note_leg(number, t);
         mover.since = t;
@@ -193,7 +186,6 @@ void Continuous::strike(const ContinuousScene& scene, std::uint32_t number, doub
         mover.stopped = true;
         ++counts_.stopped;
         note_stop(mover, t, outcome.stop != StopCause::None ? outcome.stop : too_many ? StopCause::Impacts : StopCause::Budget);
-        take_back_pull(mover.flight.start.velocity, (1.0 - t) * scene.dt * (scene.free_motion(mover.slot).acceleration - mover.flight.motion.acceleration));
     }
     if (mover.stopped && !mover.crushed && outcome.carrier != kNone && may_ride(scene, mover.slot)) {
         if (mover.carrier == kNone && !mover.slides && mover.ways == 0) ++counts_.carried;

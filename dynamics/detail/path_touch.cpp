@@ -5,7 +5,8 @@
 namespace carom::dynamics {
 namespace {
 
-constexpr double kCoarse = 0.25;  // of the reach: pieces that bend more are split without a look
+constexpr double kCoarse = 0.25;   // of the reach: pieces that bend more are split without a look
+constexpr int kMostResumed = 16;   // looks of a search: many turns of a rod beside a wall may take more than one
 
 // Each look but the last ends a search that may have one look less; a closed form has one.
 void note_looks(const PathSearch& search, const MovingShape& a, const MovingShape& b, TimeOfImpactSettings settings, double begin,
@@ -35,6 +36,9 @@ bool touch_pieces(PathSearch& search, double begin, double end, std::uint32_t nu
         if (search.looks != nullptr) note_looks(search, shape_a, shape_b, settings, begin, end, cores);
         if (!may_touch(impact.status) || impact.status == ImpactStatus::Invalid) return false;
         if (!(split_a || split_b)) {
+            if (impact.status == ImpactStatus::Clamped && impact.t > 0.0 && ++search.resumed <= kMostResumed) {
+                return touch_pieces(search, begin + impact.t * (end - begin), end, number_a, number_b, cores);
+            }
             search.t = begin + impact.t * (end - begin);
             search.impact = impact;
             search.bend = bend;

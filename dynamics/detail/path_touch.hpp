@@ -42,6 +42,7 @@ struct PathSearch {
     double bend = 0.0;        ///< of the two paths there [m]: the shapes are within separation + bend + tolerance
     Impact impact{};          ///< but for its t, which is of the last piece
     std::int64_t pieces = 0;  ///< of paths that were looked at
+    int resumed = 0;          ///< looks that came to their cap and were taken up again where they were
 };
 
 /// As finely as it takes: a piece that may touch and bends too much is looked at by halves, the earlier first.

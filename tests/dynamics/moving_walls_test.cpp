@@ -124,7 +124,7 @@ TEST(MovingWalls, CrowdsHaveTheSameBitsOnAnyNumberOfThreads) {
     WorldDef few = kSpace, shared = kSpace;
     few.continuous.most_impacts = shared.continuous.most_impacts = 3;
     shared.executor = &threads;
-    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+    for (std::uint64_t seed = 1; seed <= 20; ++seed) {
         Crowd alone(seed, static_cast<int>(seed % kThinWalls), Going::Turning, few),
             crowd(seed, static_cast<int>(seed % kThinWalls), Going::Turning, shared);
         alone.run(4), crowd.run(4);

@@ -151,7 +151,7 @@ TEST(RiderWays, WhatStandsFromTheStartIsFoundByWallsThatAskedBefore) {
     const BodyId wall = world.create_body({.type = BodyType::Kinematic, .position = {0.0, 0.0, -0.5}, .linear_velocity = {0.0, 0.0, 60.0}});
     world.add_shape(wall, Box{{9.0f, 9.0f, 0.01f}});
     const BodyId rod = world.create_body({.angular_velocity = 118'000.0 * glm::normalize(dvec3{1.0, 1.0, 0.0})});
-    world.add_shape(rod, Capsule{0.0005f, 2.0f});
+    world.add_shape(rod, Box{{0.0005f, 2.0f, 0.0005f}});
     const BodyId ball = world.create_body({.type = BodyType::Static, .position = {0.0508, 0.0, 0.0}});
     world.add_shape(ball, Sphere{0.05f});
     const ContinuousCounts counts = world.step(kDt).continuous;

@@ -221,7 +221,7 @@ TEST(ThinRods, HeapGainsNoEnergyAndKeepsItsBits) {
 }
 
 // Among rods that lie across each other some come to more impacts a step than are followed, step after step. What stands still then must not gain speed by a weight
-// that does not fall. The rule is that of the start; over the least before, jams of all ten gain 2.7e-3 (0.58 where stopped bodies kept that speed).
+// that does not fall. The rule is that of the start; over the least before, the worst of ten such heaps gains 3e-3 (0.58 where stopped bodies kept that speed).
 TEST(ThinRods, JammedRodsGainNoEnergy) {
     Heap heap(10, 1);
     const Gain gained = heap.fall(300);
