@@ -3,6 +3,7 @@
 #include <carom/core/math.hpp>
 
 #include <algorithm>
+#include <bit>
 #include <cmath>
 
 namespace carom::dynamics {
@@ -38,13 +39,14 @@ dvec3 turn_between(const dquat& from, const dquat& to, const dvec3& about) noexc
 /// angular momentum allow.
 double most_spin_change(const BodyState& state, const BodyMass& mass, const FreeMotion& motion, double time) noexcept {
     if (mass.mass == 0.0) return 0.0;
-    if (mass.locked == 0 && mass.inertia == InertiaClass::Isotropic && motion.torque == dvec3{0.0} && motion.angular_damping == 0.0) return 0.0;
+    if (mass.inertia == InertiaClass::Isotropic && motion.torque == dvec3{0.0} && motion.angular_damping == 0.0) return 0.0;
     const dvec3 &moment = mass.moments, &inverse = mass.inverse_moments, spin = rotate_inverse(state.pose.orientation, state.spin), momentum = moment * spin;
     const double torque = glm::length(motion.torque), most_inverse = std::max({inverse.x, inverse.y, inverse.z});
     const double root = std::sqrt(glm::dot(momentum, spin)) + torque * time * std::sqrt(most_inverse), length = glm::length(momentum) + torque * time;
     const double twice_energy = root * root, square = length * length;
     const double pushed = torque * most_inverse + motion.angular_damping * glm::length(spin);
-    if ((mass.locked & kLockedTurns) != 0) {
+    if (std::popcount(static_cast<unsigned>(mass.locked & kLockedTurns)) == 2) return pushed;  // about one axis of the world its moment stays
+    if ((mass.locked & kLockedTurns) != 0 && mass.inertia != InertiaClass::Isotropic) {
         return pushed + square * most_inverse * most_inverse * std::max({moment.x, moment.y, moment.z}) * most_inverse;
     }
     if (mass.inertia == InertiaClass::Isotropic) return pushed;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 
 namespace carom::dynamics {
@@ -14,9 +15,18 @@ constexpr double kContactTolerance = 1e-3;
 
 bool turns_freely(const BodyMass& mass) noexcept { return (mass.locked & kLockedTurns) == 0; }
 
+/// What can turn about one axis of the world, or is as heavy about each, keeps its spin.
+bool turns_evenly_locked(const BodyMass& mass) noexcept {
+    return mass.inertia == InertiaClass::Isotropic || std::popcount(static_cast<unsigned>(mass.locked & kLockedTurns)) == 2;
+}
+
 /// The implicit midpoint rule about the axes that are not locked, whose angular momentum stays: it runs backwards as it runs forwards, so that energy
 /// sways and does not grow (Hairer, Lubich, Wanner 2006, V.1).
 void rotate_locked(BodyState& state, const BodyMass& mass, double dt) noexcept {
+    if (turns_evenly_locked(mass)) {
+        state.pose.orientation = glm::normalize(rotation_from_vector(state.spin * dt) * state.pose.orientation);
+        return;
+    }
     constexpr double kMostAngle = 0.05;  // of a cycle [rad]
     const dvec3 momentum = angular_momentum(state, mass);
     const double cycles = std::ceil(glm::length(state.spin) * std::abs(dt) / kMostAngle), h = dt / std::max(cycles, 1.0);

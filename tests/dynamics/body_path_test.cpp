@@ -100,6 +100,27 @@ TEST(BodyPath, WhatIsNotRoundOrNotFreeIsCutIntoPieces) {
     }
 }
 
+// About one axis of the world any body turns evenly, and one that is as heavy about each turns evenly about two.
+TEST(BodyPath, WhatLocksLeaveOneAxisIsOnOneScrew) {
+    Random random(7);
+    constexpr unsigned char kUpright = LockedAxes::TurnX | LockedAxes::TurnZ;
+    for (const bool isotropic : {false, true}) {
+        for (int i = 0; i < 200; ++i) {
+            BodyMass mass = rod_mass(0.1);
+            static_cast<FreeRotation&>(mass) = classify(isotropic ? dvec3{0.1} : dvec3{0.1, 0.02, 0.07});
+            mass.locked = isotropic && i % 2 == 0 ? LockedAxes::TurnX : kUpright;
+            dynamics::Flight flight{thrown(random, 0.0), {}};
+            const double spin = std::pow(10.0, random.range(-1.0, 5.0));
+            flight.start.spin = mass.locked == kUpright ? dvec3{0.0, spin, 0.0} : spin * glm::normalize(dvec3{0.0, random.unit(), 1.0});
+            BodyPath path;
+            path.fly(flight, mass, 0.0, {kStep, kReach, kMostBend});
+            EXPECT_FALSE(path.can_split(BodyPath::kWhole)) << spin;
+            EXPECT_LE(farthest_off(path, flight, mass, BodyPath::kWhole), 1e-11) << spin;  // turns of up to 1,700 rad
+            EXPECT_LT(glm::length(path.end().spin - flight.start.spin), 1e-12 * spin);
+        }
+    }
+}
+
 TEST(BodyPath, ShapesTellHowRoundTheyAre) {
     const Pose centred{}, aside{{1e-3, 0.2, 0.0}, kIdentityRotation}, tilted{dvec3{0.0}, rotation_about({1, 0, 0}, 1e-5)},
         lying{dvec3{0.0}, rotation_about({1, 0, 0}, 0.5 * kPi)};
