@@ -237,6 +237,7 @@ bool DirectNewton::minimise(DirectProblem& problem, const DirectSettings& settin
         const double before = result.residual;
         result.residual = residual(problem);
         gained = result.residual * kLeastGain <= before;
+        if (result.iterations == settings.early_look && result.residual > settings.early_most) return false;
     }
     return true;
 }

@@ -31,6 +31,8 @@ struct DirectSettings {
     int most_iterations = 60;
     int most_factorisations = 60;
     int most_slip_passes = 12;
+    int early_look = 0;            ///< after so many iterations the solve ends without convergence where more is missing than
+    double early_most = 0.0;       ///< [m/s]; 0 iterations: never
 };
 
 struct DirectResult {

@@ -199,6 +199,17 @@ TEST(DirectNewton, GivesUpWhereItMayNotGoOn) {
     settings.most_iterations = 1;
     EXPECT_FALSE(solve(problem, settings).converged);
     problem = random_island(8, true);
+    settings = kSettings;
+    settings.early_look = 3;
+    const DirectResult early = solve(problem, settings);  // nothing misses nothing
+    EXPECT_FALSE(early.converged);
+    EXPECT_EQ(early.iterations, 3);
+    problem = random_island(8, true);
+    settings.early_most = 1.001 * early.residual;
+    const DirectResult whole = solve(problem, settings);
+    EXPECT_TRUE(whole.converged);
+    EXPECT_GT(whole.iterations, 3);
+    problem = random_island(8, true);
     problem.bodies[0].velocity.x = std::numeric_limits<double>::quiet_NaN();
     EXPECT_FALSE(solve(problem).converged);
 }
