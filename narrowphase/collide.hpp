@@ -63,7 +63,8 @@ enum class CollideStatus : unsigned char {
 [[nodiscard]] bool can_collide(ShapeType a, ShapeType b) noexcept;
 
 /// Appends the manifolds of one pair to `out`, with `pair` = `index`. No manifold means: farther apart than the margin.
-/// Frame: world axes about A's origin; see Manifold. Swapping a and b flips the normal and keeps points and separations.
+/// Frame: world axes about A's origin; see Manifold. Swapping a and b flips the normal and keeps points and separations, but for two meshes
+/// deep in each other, of which another way out may be found.
 ///
 /// What is reported: where the shapes overlap, the least depth over all directions (for a mesh, over those its surface allows, and where
 /// it allows none, over the normals of the triangles that are met; what overlaps is always reported); where they are apart, their

@@ -4,6 +4,7 @@
 #include <carom/collision/triangle_mesh.hpp>
 #include <carom/core/check.hpp>
 #include <carom/narrowphase/detail/check_pair.hpp>
+#include <carom/narrowphase/detail/mesh_gap.hpp>
 #include <carom/narrowphase/detail/one_sided.hpp>
 #include <carom/narrowphase/detail/piece_pair.hpp>
 #include <carom/narrowphase/detail/solid_mesh.hpp>
@@ -46,12 +47,16 @@ struct Nearest {
     PieceFinding finding;
     std::uint32_t part_a = 0, part_b = 0, triangle = 0;
     ConvexPiece a, b;  // b: nothing of a plane
+    std::uint32_t triangle_b = 0;
     bool back_face = false;
     bool of_solid = false;  // the mesh stands for the solid that it bounds
+    double size = 0.0;      // of what the accuracy is a share, where it is not the pieces' own
 
     /// Whether what is `gap` away at least cannot take its place: what a one-sided mesh turns its front to goes before all else.
     [[nodiscard]] bool stays(bool is_back, double gap) const { return found && (is_back != back_face ? is_back : gap >= finding.axis.gap); }
 };
+
+bool is_mesh(const Shape& shape) { return type_of(shape) == ShapeType::TriangleMesh; }
 
 bool is_solid(const Shape& shape) { return type_of(shape) == ShapeType::Compound || is_convex_solid(type_of(shape)); }
 
@@ -213,6 +218,32 @@ Nearest swapped(Nearest n) {
     return n;
 }
 
+/// Whether a mesh is one-sided and has its back towards the middle of another one.
+bool shows_back(const Placed& mesh, const Placed& other) {
+    const TriangleMesh &own = *std::get<TriangleMeshPtr>(mesh.shape), &that = *std::get<TriangleMeshPtr>(other.shape);
+    if (!own.is_one_sided()) return false;
+    const Aabb& box = that.local_bounds();
+    const dvec3 middle = other.origin + other.axes * (0.5 * (box.lower + box.upper));
+    return detail::is_behind(own, (middle - mesh.origin) * mesh.axes);
+}
+
+Nearest nearest_meshes(const Placed& a, const Placed& b, const std::vector<Manifold>& manifolds) {
+    const TriangleMesh &of_a = *std::get<TriangleMeshPtr>(a.shape), &of_b = *std::get<TriangleMeshPtr>(b.shape);
+    std::optional<detail::MeshGap> gap = detail::compare_meshes({of_a, a.axes, a.origin}, {of_b, b.axes, b.origin}, manifolds);
+    Nearest best;
+    best.back_face = shows_back(a, b) || shows_back(b, a);
+    if (!gap) return best;
+    best.found = true;
+    best.finding = std::move(gap->finding);
+    best.a = std::move(gap->a);
+    best.b = std::move(gap->b);
+    best.triangle = gap->triangle_a;
+    best.triangle_b = gap->triangle_b;
+    best.of_solid = gap->of_solids;
+    for (const TriangleMesh* mesh : {&of_a, &of_b}) best.size = std::max(best.size, glm::length(mesh->local_bounds().upper - mesh->local_bounds().lower));
+    return best;
+}
+
 Nearest find_nearest(const Placed& a, const Placed& b, double margin, const std::vector<Manifold>& manifolds) {
     const ShapeType type_a = type_of(a.shape), type_b = type_of(b.shape);
     if (is_solid(a.shape) && is_solid(b.shape)) return nearest_solids(a, b, manifolds);
@@ -222,7 +253,7 @@ Nearest find_nearest(const Placed& a, const Placed& b, double margin, const std:
     if (is_solid(b.shape) && type_a == ShapeType::TriangleMesh) return swapped(nearest_to_mesh(b, a, margin, manifolds, true));
     if (type_a == ShapeType::TriangleMesh && type_b == ShapeType::Plane) return nearest_of_mesh_to_plane(a, b);
     if (type_b == ShapeType::TriangleMesh && type_a == ShapeType::Plane) return swapped(nearest_of_mesh_to_plane(b, a));
-    return {};
+    return nearest_meshes(a, b, manifolds);
 }
 
 const Manifold* deepest(const std::vector<Manifold>& manifolds, float& separation) {
@@ -250,24 +281,17 @@ std::string disagreement_of(const ShapePair& pair, const Nearest& nearest, Colli
     if (nearest.back_face) return deepest_one == nullptr ? "" : "contacts are reported although the mesh is one-sided and shows its back";
     const ShapeType type_a = type_of(*pair.a), type_b = type_of(*pair.b);
     const bool smooth = nearest.a.turned.has_value() || nearest.b.turned.has_value();
-    double size = std::max(nearest.a.size(), nearest.b.size());
+    const bool are_meshes = is_mesh(*pair.a) && is_mesh(*pair.b);
+    double size = std::max({nearest.a.size(), nearest.b.size(), nearest.size});
     if (type_a == ShapeType::Plane || type_b == ShapeType::Plane) size = type_a == ShapeType::Plane ? nearest.b.size() : nearest.a.size();
     const double tolerance = (smooth ? kSmoothAccuracy : kAccuracy) * size;
     const double gap = nearest.finding.axis.gap, margin = static_cast<double>(pair.margin);
     if (deepest_one != nullptr && gap > margin + tolerance) return "contacts are reported although the two are farther apart than the margin";
     if (deepest_one == nullptr && gap < margin - tolerance) return "no contact is reported although the two are nearer than the margin";
     const bool of_mesh = !nearest.of_solid && (type_a == ShapeType::TriangleMesh || type_b == ShapeType::TriangleMesh);
-    if (deepest_one == nullptr || of_mesh || status != CollideStatus::Ok) return "";
+    // Where surfaces of meshes meet, the axis is that of the deepest contact.
+    if (deepest_one == nullptr || (of_mesh && !are_meshes) || status != CollideStatus::Ok) return "";
     return std::abs(static_cast<double>(separation) - gap) <= tolerance ? "" : "the deepest contact is not as deep as the two overlap along the best axis";
-}
-
-/// Whether a mesh is one-sided and has its back towards the middle of another one.
-bool shows_back(const Placed& mesh, const Placed& other) {
-    const TriangleMeshPtr *own = std::get_if<TriangleMeshPtr>(&mesh.shape), *that = std::get_if<TriangleMeshPtr>(&other.shape);
-    if (own == nullptr || that == nullptr || !(*own)->is_one_sided()) return false;
-    const Aabb& box = (*that)->local_bounds();
-    const dvec3 middle = other.origin + other.axes * (0.5 * (box.lower + box.upper));
-    return detail::is_behind(**own, (middle - mesh.origin) * mesh.axes);
 }
 
 }  // namespace
@@ -288,10 +312,9 @@ PairExplanation explain(const ShapePair& pair) {
     Nearest nearest = find_nearest(a, b, why.margin, why.manifolds);
     float separation = 0.0f;
     const Manifold* deepest_one = deepest(why.manifolds, separation);
-    if (!nearest.found) {  // two meshes, or a mesh without areas: what collide() says is all that is known
-        why.verdict = deepest_one == nullptr ? PairVerdict::Apart : PairVerdict::Touching;
-        if (deepest_one != nullptr && separation > 0.0f) why.verdict = PairVerdict::Apart;
-        why.back_face = shows_back(a, b) || shows_back(b, a);
+    if (!nearest.found) {  // a mesh without areas, or meshes farther apart than numbers go: what collide() says is all that is known
+        why.verdict = deepest_one == nullptr || separation > 0.0f ? PairVerdict::Apart : PairVerdict::Touching;
+        why.back_face = nearest.back_face;
         return why;
     }
     why.verdict = nearest.finding.verdict;
@@ -300,7 +323,9 @@ PairExplanation explain(const ShapePair& pair) {
     why.triangle = nearest.triangle;
     why.back_face = nearest.back_face;
     why.disagreement = disagreement_of(pair, nearest, why.status, deepest_one, separation);
-    if (deepest_one != nullptr) why.patch = patch_of(nearest, *deepest_one, a, b);
+    why.triangle_b = nearest.triangle_b;
+    const bool are_surfaces = is_mesh(*pair.a) && is_mesh(*pair.b) && !nearest.of_solid;  // whose patches are of many triangles
+    if (deepest_one != nullptr && !are_surfaces) why.patch = patch_of(nearest, *deepest_one, a, b);
     why.distance = std::move(nearest.finding.distance);
     why.axis = nearest.finding.axis;
     return why;

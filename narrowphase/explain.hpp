@@ -80,9 +80,10 @@ struct PairExplanation {
     double margin = 0.0;       ///< [m]
     std::uint32_t part_a = 0;  ///< the parts (of compounds) and the triangle (of a mesh) that come nearest or overlap most
     std::uint32_t part_b = 0;
-    std::uint32_t triangle = 0;
-    std::optional<DistanceBounds> distance;  ///< none for two meshes
-    std::optional<SeparatingAxis> axis;      ///< none for two meshes
+    std::uint32_t triangle = 0;    ///< of two meshes, A's
+    std::uint32_t triangle_b = 0;  ///< of two meshes, B's
+    std::optional<DistanceBounds> distance;
+    std::optional<SeparatingAxis> axis;  ///< of two meshes that are apart and do not both bound convex solids: that of the two triangles
     /// A one-sided mesh has its back towards the other's centre: collide() then says nothing, however near or deep they are.
     bool back_face = false;
     CollideStatus status = CollideStatus::Ok;
@@ -99,9 +100,11 @@ struct PairExplanation {
 /// sizes and the distance of the origins.
 /// Two shapes overlap more along any other axis than the one given: to 1e-6 of their size for boxes, hulls, spheres and capsules, and
 /// as well as collide() has it for cylinders, cones and meshes. Of a mesh, the nearest triangle is looked at; of a one-sided one, the nearest
-/// that faces the shape's centre.
+/// that faces the shape's centre. Of two meshes that bound convex solids these are compared. Of other meshes the bounds of the distance are
+/// those of closest_pair(), which prove that they are apart; the axis, its features and the simplex are then those of the two triangles that are
+/// nearest. Where such meshes meet, or one is inside of the other, the axis is that of the deepest contact.
 /// Misuse as in collide(): reported; then an empty explanation. Cost: that of collide(), and for each pair of parts or triangles whose
-/// boxes come near some µs; a mesh costs O(triangles). Thread-safe. Allocates.
+/// boxes come near some µs; a mesh costs O(triangles) against a convex shape, two meshes as closest_pair(). Thread-safe. Allocates.
 [[nodiscard]] PairExplanation explain(const ShapePair& pair);
 
 /// @return "apart", "touching", "undecided".

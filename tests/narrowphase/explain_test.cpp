@@ -1,7 +1,11 @@
 // explain(): known answers, agreement with collide() and with the brute-force axes over every pair of types, bad input.
 #include "oracle.hpp"
 
+#include <support/box_mesh.hpp>
+
+#include <carom/collision/closest_points.hpp>
 #include <carom/collision/compound.hpp>
+#include <carom/collision/mesh_pairs.hpp>
 #include <carom/collision/triangle_mesh.hpp>
 #include <carom/core/check.hpp>
 #include <carom/narrowphase/explain.hpp>
@@ -137,7 +141,7 @@ TEST(Explain, AgreesWithCollideOfEveryTwoTypes) {
     for (int a = 0; a < kShapeTypeCount; ++a) {
         for (int b = 0; b < kShapeTypeCount; ++b) {
             const auto ta = static_cast<ShapeType>(a), tb = static_cast<ShapeType>(b);
-            if (!can_collide(ta, tb) || (ta == ShapeType::TriangleMesh && tb == ta)) continue;
+            if (!can_collide(ta, tb)) continue;
             int apart = 0, touching = 0;
             for (int i = 0; i < 60; ++i) {
                 SCOPED_TRACE(testing::Message() << to_string(ta) << " " << to_string(tb) << " " << i);
@@ -215,6 +219,90 @@ TEST(Explain, OfAMeshTheNearestTriangleIsFoundHoweverFarItIs) {
         EXPECT_NEAR(why.axis->gap, static_cast<double>(best) - 0.05, 1e-6) << i;
         EXPECT_EQ(why.triangle, nearest) << i;
     }
+}
+
+/// A ball with a tetrahedron in its middle, which bounds no convex solid.
+Shape seeded_ball(Random& r) {
+    const Shape ball = ball_of_triangles(r);
+    const TriangleMesh& mesh = *std::get<TriangleMeshPtr>(ball);
+    std::vector<vec3> vertices(mesh.vertices().begin(), mesh.vertices().end());
+    std::vector<TriangleMesh::Triangle> triangles(mesh.triangles().begin(), mesh.triangles().end());
+    const auto n = static_cast<std::uint32_t>(vertices.size());
+    for (const vec3& v : {vec3{0, 0, 0}, vec3{1e-3f, 0, 0}, vec3{0, 1e-3f, 0}, vec3{0, 0, 1e-3f}}) vertices.push_back(v);
+    for (const auto& t : {std::array{0u, 2u, 1u}, std::array{0u, 1u, 3u}, std::array{0u, 3u, 2u}, std::array{1u, 2u, 3u}}) {
+        triangles.push_back({n + t[0], n + t[1], n + t[2]});
+    }
+    return *TriangleMesh::build(vertices, triangles);
+}
+
+TEST(Explain, OfMeshesTheBoundsOfTheDistanceHoldTheLeastOfAllTriangles) {
+    Random r(504);
+    int apart = 0, near = 0, touching = 0;
+    for (int i = 0; i < 200; ++i) {
+        SCOPED_TRACE(i);
+        const Shape a = seeded_ball(r), b = seeded_ball(r);
+        const TriangleMesh &ma = *std::get<TriangleMeshPtr>(a), &mb = *std::get<TriangleMeshPtr>(b);
+        ASSERT_EQ(ma.solid(), nullptr);
+        const Pose pa{100.0 * random_direction(r), random_rotation(r)};
+        const Pose pb{pa.position + random_direction(r) * r.range(0.6, 1.8), random_rotation(r)};
+        const PairExplanation why = explain_at(a, pa, b, pb);
+        ASSERT_TRUE(why.axis && why.distance);
+        EXPECT_EQ(why.disagreement, "");
+        EXPECT_NEAR(glm::length(dvec3(why.axis->normal)), 1.0, 1e-6);
+        const PairExplanation back = explain_at(b, pb, a, pa);
+        EXPECT_EQ(back.verdict, why.verdict);
+        if (why.axis->gap > -0.01) {  // deeper, another way out may be found
+            EXPECT_NEAR(back.axis->gap, why.axis->gap, 2e-6);
+        }
+        if (meshes_overlap(ma.bvh(), mb.bvh(), inverse(pa) * pb)) {
+            ++touching;
+            EXPECT_EQ(why.verdict, PairVerdict::Touching);
+            EXPECT_EQ(why.distance->lower, 0.0);
+            EXPECT_TRUE(why.distance->cores_overlap);
+            EXPECT_EQ(why.axis->source, AxisSource::Contact);
+            float least = 1.0f;
+            for (const Manifold& m : why.manifolds) least = std::min(least, least_separation(m));
+            EXPECT_EQ(why.axis->gap, static_cast<double>(least));
+            continue;
+        }
+        ++apart;
+        double least = 1e9;
+        const auto placed = [](const TriangleMesh& mesh, const Pose& pose, std::uint32_t t) {
+            const auto c = mesh.corners(t);
+            return geo::Triangle<double>{transform_point(pose, dvec3(c[0])), transform_point(pose, dvec3(c[1])), transform_point(pose, dvec3(c[2]))};
+        };
+        for (std::uint32_t s = 0; s < ma.triangles().size(); ++s) {
+            const geo::Triangle<double> x = placed(ma, pa, s);
+            for (std::uint32_t t = 0; t < mb.triangles().size(); ++t) {
+                least = std::min(least, std::sqrt(geo::closest_points(x, placed(mb, pb, t)).distance_sq));
+            }
+        }
+        EXPECT_EQ(why.verdict, PairVerdict::Apart);
+        EXPECT_LE(why.distance->lower, least + 1e-12);
+        EXPECT_GE(why.distance->upper, least - 1e-12);
+        EXPECT_LT(why.distance->upper - why.distance->lower, 1e-11);
+        EXPECT_NEAR(why.axis->gap, least, 1e-9);
+        EXPECT_NEAR(glm::length(why.distance->on_b - why.distance->on_a), least, 1e-11);
+        const geo::Triangle<double> x = placed(ma, pa, why.triangle), y = placed(mb, pb, why.triangle_b);
+        EXPECT_NEAR(std::sqrt(geo::closest_points(x, y).distance_sq), least, 1e-11);
+        near += least < 0.05;
+        EXPECT_EQ(why.manifolds.empty(), least > 0.05);
+    }
+    EXPECT_GT(apart, 60);
+    EXPECT_GT(near, 5);
+    EXPECT_GT(touching, 60);
+}
+
+TEST(Explain, AMeshInsideOfAnotherIsAsDeepAsItsContact) {
+    Random r(505);
+    const Shape outer = seeded_ball(r), inner = box_mesh({0.02f, 0.02f, 0.02f}, 1);
+    const PairExplanation why = explain_at(outer, {}, inner, {{0.38, 0.0, 0.0}, kIdentityRotation});
+    EXPECT_EQ(why.verdict, PairVerdict::Touching);
+    EXPECT_EQ(why.axis->source, AxisSource::Contact);
+    EXPECT_LT(why.axis->gap, -0.05);
+    EXPECT_GT(why.distance->lower, 0.0) << "the surfaces are apart";
+    EXPECT_FALSE(why.distance->cores_overlap);
+    EXPECT_EQ(why.disagreement, "");
 }
 
 TEST(Explain, WhatIsFartherThanNumbersGoIsApart) {
