@@ -58,14 +58,29 @@ void add_triple(ExactSum& sum, double sign, const dvec3& u, const dvec3& v, cons
     add_product(sum, -sign, u.z, v.y, w.x);
 }
 
-[[maybe_unused]] bool in_range(double x) noexcept { return x == 0.0 || (std::abs(x) >= 0x1p-300 && std::abs(x) <= 0x1p300); }
-[[maybe_unused]] bool in_range(const dvec3& p) noexcept { return in_range(p.x) && in_range(p.y) && in_range(p.z); }
+bool in_range(double x) noexcept { return x == 0.0 || (std::abs(x) >= 0x1p-300 && std::abs(x) <= 0x1p300); }
+bool in_range(const dvec3& p) noexcept { return in_range(p.x) && in_range(p.y) && in_range(p.z); }
+
+/// Whether x - y is `difference`, exactly (Knuth's two-sum has no error).
+bool is_exact(double x, double y, double difference) noexcept {
+    const double part = x - difference;
+    return ((x - (difference + part)) + (part - y)) == 0.0;
+}
+bool is_exact(const dvec3& x, const dvec3& y, const dvec3& difference) noexcept {
+    return is_exact(x.x, y.x, difference.x) && is_exact(x.y, y.y, difference.y) && is_exact(x.z, y.z, difference.z);
+}
 
 }  // namespace
 
 int exact_orientation(const dvec3& a, const dvec3& b, const dvec3& c, const dvec3& d) noexcept {
     CAROM_ASSERT(in_range(a) && in_range(b) && in_range(c) && in_range(d));
     ExactSum sum;
+    // Differences of corners that are floats, and of ones near each other, have no error as a rule: then six products are all.
+    const dvec3 u = b - a, v = c - a, w = d - a;
+    if (is_exact(b, a, u) && is_exact(c, a, v) && is_exact(d, a, w) && in_range(u) && in_range(v) && in_range(w)) {
+        add_triple(sum, 1.0, u, v, w);
+        return sum.sign();
+    }
     add_triple(sum, 1.0, b, c, d);
     add_triple(sum, -1.0, a, c, d);
     add_triple(sum, 1.0, a, b, d);

@@ -114,6 +114,10 @@ bool stretches_overlap(const TriangleCorners& a, const Sides& of_a, const Triang
 }  // namespace
 
 bool triangles_meet(const TriangleCorners& a, const TriangleCorners& b) noexcept {
+    // Of coincident meshes and of patches of one surface nearly all that meet have a corner in common, where no sign is cheap.
+    for (const dvec3& p : a) {
+        if (p == b[0] || p == b[1] || p == b[2]) return true;
+    }
     const Sides of_b = sides_of(a, b);
     if (of_b.one_side()) return false;
     const Sides of_a = sides_of(b, a);
