@@ -33,6 +33,10 @@ constexpr double kNearGrowth = 3.0;
 // Where the two are deeper in each other than this share of the smaller one's box, a way out of the whole is looked for.
 constexpr double kDeepShare = 1.0 / 64.0;
 
+// How much farther out a point has to be for each length that it is higher, to be chosen: what rocks by less than 1/128 of a radian
+// touches with what is lower first. With 8 and 32 teapots rocked on for good, at 0.06 and 0.03 m/s in the mean; with 1/4 of the way kept, at 0.03.
+constexpr double kDrawIn = 128.0;
+
 struct MeshBox {
     dvec3 centre{0.0};
     double diagonal = 0.0;
@@ -64,6 +68,25 @@ void add_face_points(const PlacedFace& a, const PlacedFace& b, const ContactPlan
                          {second.corners, b.normal, glm::dot(b.normal, b.corners[0])}, plane, sides, points);
 }
 
+// A surface that is not flat touches with what is lowest first, and what is farther out but higher only once it leans over. So what is chosen from
+// are points drawn in towards their middle, by kDrawIn times how much higher than the lowest they are. Of equal height they stay where they are.
+void draw_in(std::span<Candidate> points) {
+    if (points.size() <= kMaxManifoldPoints) return;
+    double lowest = std::numeric_limits<double>::infinity(), u = 0.0, w = 0.0;
+    for (const Candidate& p : points) {
+        lowest = std::min(lowest, p.separation);
+        u += p.u / static_cast<double>(points.size());
+        w += p.w / static_cast<double>(points.size());
+    }
+    for (Candidate& p : points) {
+        const double out = std::sqrt((p.u - u) * (p.u - u) + (p.w - w) * (p.w - w));
+        if (!(out > 0.0)) continue;
+        const double kept = std::max(0.0, 1.0 - kDrawIn * (p.separation - lowest) / out);
+        p.u = u + kept * (p.u - u);
+        p.w = w + kept * (p.w - w);
+    }
+}
+
 // Emits one manifold for each group of leaders.
 void emit_patches(MeshContact& contact, const LeaderLimits& limits, bool steady, std::vector<Candidate>& points, ManifoldSink& sink) {
     std::vector<Leader>& leaders = contact.finder.leaders;
@@ -91,6 +114,7 @@ void emit_patches(MeshContact& contact, const LeaderLimits& limits, bool steady,
             points.push_back({l.position, &l == deepest ? l.separation : l.separation * cosine, glm::dot(l.position, plane.axis_u),
                               glm::dot(l.position, plane.axis_w), l.feature});
         }
+        draw_in(points);
         Chosen chosen{};
         const int count = reduce_points(points, limits.tolerance, outline_start(plane.normal, plane.axis_u, plane.axis_w),
                                         overlook(steady, limits.tolerance / kPointTolerance), chosen);

@@ -265,6 +265,43 @@ TEST(MeshMesh, DefectsOfTheGroundDoNotSwallowABox) {
     }
 }
 
+// A dish whose bottom has a ring that is lower than its rim: that rests on the ring, not on the rim, however much more area the rim spans.
+TEST(MeshMesh, WhatIsNotFlatRestsOnWhatIsLowest) {
+    std::vector<vec3> vertices{{0, 0.01f, 0}};
+    std::vector<TriangleMesh::Triangle> triangles;
+    constexpr std::uint32_t kRound = 24;
+    const float radii[] = {0.1f, 0.15f}, heights[] = {0.0f, 0.006f};
+    for (int ring = 0; ring < 2; ++ring) {
+        for (std::uint32_t k = 0; k < kRound; ++k) {
+            const auto angle = static_cast<float>(2.0 * kPi * k / kRound);
+            vertices.push_back({radii[ring] * std::cos(angle), heights[ring], radii[ring] * std::sin(angle)});
+        }
+    }
+    vertices.push_back({0, 0.2f, 0});
+    for (std::uint32_t k = 0; k < kRound; ++k) {
+        const std::uint32_t n = (k + 1) % kRound, a = 1 + k, b = 1 + n, c = a + kRound, d = b + kRound;
+        for (const TriangleMesh::Triangle& t : {TriangleMesh::Triangle{0, a, b}, {a, c, d}, {a, d, b}, {c, 2 * kRound + 1, d}}) triangles.push_back(t);
+    }
+    const TriangleMeshPtr dish = *TriangleMesh::build(vertices, triangles);
+    ASSERT_TRUE(dish->is_closed());
+    ASSERT_EQ(dish->solid(), nullptr);
+    const std::vector<vec3> square{{-2, 0, -2}, {-2, 0, 2}, {2, 0, 2}, {2, 0, -2}};
+    const Shape shape = dish, ground = *TriangleMesh::build(square, std::vector<TriangleMesh::Triangle>{{0, 1, 2}, {0, 2, 3}});
+    for (const double lean : {0.0, 1e-4, 2e-3}) {
+        const std::vector<Manifold> m = collide_all(shape, {{0, 0.1 * lean, 0}, about({1, 0, 0.3}, lean)}, ground, {}, 0.02f);
+        ASSERT_EQ(m.size(), 1u) << lean;
+        EXPECT_EQ(m[0].count, 4u);
+        dvec3 low{1.0}, high{-1.0};
+        for (const ContactPoint& p : m[0].used()) {
+            EXPECT_LT(std::abs(p.separation), 2.0f * 0.1f * static_cast<float>(lean) + 1e-5f) << lean << ": on the ring";
+            low = glm::min(low, dvec3(p.position));
+            high = glm::max(high, dvec3(p.position));
+        }
+        EXPECT_GT(high.x - low.x, 0.15) << lean;
+        EXPECT_GT(high.z - low.z, 0.15) << lean;
+    }
+}
+
 // A spout in a handle touches the handle, not the pot that the handle belongs to.
 TEST(MeshMesh, TeapotsTouchWhereTheirTrianglesAreNearest) {
     const Result<MeshData> data = teapot(1.0, 0.01);
