@@ -55,6 +55,8 @@ struct StudyGroup {
 /// Pairs of triangles of two meshes, and their contacts; surface_cases.hpp has the cases of these.
 [[nodiscard]] std::vector<Study> meshmesh_studies(const StudyOptions& options);
 [[nodiscard]] std::vector<Study> meshmesh_contact_studies(const StudyOptions& options);
+/// Ways out of thin walls; studies/oracle/walls.hpp has the rooms.
+[[nodiscard]] std::vector<Study> meshmesh_wall_studies(const StudyOptions& options);
 /// Boxes, and hulls, in pairs; convex_cases.hpp has the cases.
 [[nodiscard]] std::vector<Study> sat_studies(const StudyOptions& options);
 [[nodiscard]] std::vector<Study> gjk_studies(const StudyOptions& options);

@@ -218,6 +218,7 @@ std::vector<Study> meshmesh_studies(const StudyOptions& options) {
         studies.push_back(study_of("meshmesh_" + condition.name, condition.what, std::make_shared<const Cases>(std::move(condition.cases))));
     }
     for (Study& study : meshmesh_contact_studies(options)) studies.push_back(std::move(study));
+    for (Study& study : meshmesh_wall_studies(options)) studies.push_back(std::move(study));
     return studies;
 }
 

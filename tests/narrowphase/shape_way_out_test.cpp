@@ -4,6 +4,7 @@
 #include <support/box_mesh.hpp>
 
 #include <carom/collision/triangle_mesh.hpp>
+#include <carom/studies/oracle/walls.hpp>
 
 #include <gtest/gtest.h>
 
@@ -14,67 +15,21 @@ using namespace test;
 
 constexpr float kWall = 0.03f;
 
-/// A bin of walls, as one closed surface, and the boxes that fill the walls.
-struct Bin {
-    Shape surface;
-    std::vector<Shape> walls;
-    std::vector<ConvexHullPtr> hulls;
+using oracle::Exits;
+using oracle::Walled;
 
-    explicit Bin(int open_sides) {
-        const std::array<float, 4> x{-0.5f, -0.5f + kWall, 0.5f - kWall, 0.5f};
-        const auto full = [&](int i, int j, int k) {
-            if (std::min({i, j, k}) < 0 || std::max({i, j, k}) > 2) return false;
-            const bool solid = i == 0 || j == 0 || k == 0 || (i == 2 && open_sides < 3) || (k == 2 && open_sides < 2);
-            return solid && !(j == 2 && i == 1 && k == 1);
-        };
-        std::vector<vec3> vertices;
-        for (int n = 0; n < 64; ++n) {
-            vertices.push_back(
-                {x[static_cast<std::size_t>(n / 16)], x[static_cast<std::size_t>(n / 4 % 4)], x[static_cast<std::size_t>(n % 4)]});
-        }
-        std::vector<TriangleMesh::Triangle> triangles;
-        for (int n = 0; n < 27; ++n) {
-            const std::array<int, 3> cell{n / 9, n / 3 % 3, n % 3};
-            if (!full(cell[0], cell[1], cell[2])) continue;
-            add_wall(vertices, cell);
-            for (std::size_t axis = 0; axis < 3; ++axis) {
-                for (const int side : {0, 1}) {
-                    std::array<int, 3> next = cell;
-                    next[axis] += side == 0 ? -1 : 1;
-                    if (!full(next[0], next[1], next[2])) add_side(cell, axis, side, triangles);
-                }
-            }
-        }
-        surface = *TriangleMesh::build(vertices, triangles);
-    }
+/// Three walls at a corner, four, or all five.
+constexpr unsigned kRooms[] = {oracle::kFloor | oracle::kLeft | oracle::kBack,
+                               oracle::kFloor | oracle::kLeft | oracle::kBack | oracle::kRight, oracle::kAllWalls};
 
-private:
-    static std::uint32_t number(const std::array<int, 3>& c) { return static_cast<std::uint32_t>(16 * c[0] + 4 * c[1] + c[2]); }
-
-    void add_wall(const std::vector<vec3>& vertices, const std::array<int, 3>& cell) {
-        std::vector<vec3> corners;
-        for (int n = 0; n < 8; ++n) corners.push_back(vertices[number({cell[0] + (n & 1), cell[1] + (n >> 1 & 1), cell[2] + (n >> 2)})]);
-        hulls.push_back(hull_of(corners));
-        walls.push_back(hulls.back());
-    }
-
-    static void add_side(const std::array<int, 3>& cell, std::size_t axis, int side, std::vector<TriangleMesh::Triangle>& triangles) {
-        std::array<std::array<int, 3>, 4> q{cell, cell, cell, cell};
-        for (auto& c : q) c[axis] += side;
-        const std::size_t u = (axis + 1) % 3, w = (axis + 2) % 3;
-        ++q[1][u], ++q[2][u], ++q[2][w], ++q[3][w];
-        if (side == 0) std::swap(q[1], q[3]);
-        triangles.push_back({number(q[0]), number(q[1]), number(q[2])});
-        triangles.push_back({number(q[0]), number(q[2]), number(q[3])});
-    }
-};
+Shape surface_of(const Walled& room) { return *TriangleMesh::build(room.surface.vertices, room.surface.triangles); }
 
 /// How deep the shape, moved by `motion`, is in the wall in which it is deepest, by the kernels for convex shapes.
-double deepest_in(const Bin& bin, const Shape& shape, Pose at, const dvec3& motion) {
+double deepest_in(const Walled& room, const Shape& shape, Pose at, const dvec3& motion) {
     at.position += motion;
     double deepest = 0.0;
-    for (const Shape& wall : bin.walls) {
-        for (const Manifold& m : collide_all(shape, at, wall, {}, 0.0f))
+    for (const oracle::Wall& wall : room.walls) {
+        for (const Manifold& m : collide_all(shape, at, wall.box, {wall.centre, kIdentityRotation}, 0.0f))
             deepest = std::max(deepest, -static_cast<double>(least_separation(m)));
     }
     return deepest;
@@ -90,69 +45,6 @@ dvec3 motion_of(const std::vector<Manifold>& manifolds) {
     }
     return motion;
 }
-
-/// Plain search: along each of many directions, how far the shape has to go until it is free of all walls, by all separating axes.
-class Exits {
-public:
-    Exits(const Solid& shape, const Bin& bin, const dvec3& origin) {
-        for (const ConvexHullPtr& hull : bin.hulls) {
-            const Solid wall = solid_of(*hull, {}, origin);
-            std::vector<Axis>& of_wall = axes_.emplace_back();
-            const auto add = [&](const RealVec& n) { of_wall.push_back({n, gap_along(shape, wall, n)}); };
-            for (const RealVec& n : shape.normals) add(n);
-            for (const RealVec& n : wall.normals) add(-n);
-            for (const RealVec& e : shape.edges) {
-                for (const RealVec& f : wall.edges) {
-                    const RealVec n = glm::cross(e, f);
-                    if (!(length_of(n) > Real(1e-9))) continue;
-                    add(n / length_of(n));
-                    add(-n / length_of(n));
-                }
-            }
-        }
-    }
-
-    [[nodiscard]] double along(const RealVec& way) const {
-        std::vector<std::array<Real, 2>> meeting;
-        for (const std::vector<Axis>& of_wall : axes_) {
-            Real from = -oracle::kInfinite, to = oracle::kInfinite;
-            for (const Axis& axis : of_wall) {
-                const Real rate = glm::dot(axis.normal, way);  // the gap shrinks by it
-                if (std::abs(rate) < Real(1e-12)) {
-                    if (axis.gap >= 0) to = from;
-                } else if (rate > 0) {
-                    from = std::max(from, axis.gap / rate);
-                } else {
-                    to = std::min(to, axis.gap / rate);
-                }
-            }
-            if (from < to && to > 0) meeting.push_back({from, to});
-        }
-        std::ranges::sort(meeting);
-        Real length = 0;
-        for (const auto& [from, to] : meeting) {
-            if (from > length) break;
-            length = std::max(length, to);
-        }
-        return static_cast<double>(length);
-    }
-
-    [[nodiscard]] double least(Random& r) const {
-        double least = 1e9;
-        for (const std::vector<Axis>& of_wall : axes_) {
-            for (const Axis& axis : of_wall) least = std::min(least, along(axis.normal));
-        }
-        for (int i = 0; i < 100; ++i) least = std::min(least, along(real(random_direction(r))));
-        return least;
-    }
-
-private:
-    struct Axis {
-        RealVec normal;
-        Real gap = 0;
-    };
-    std::vector<std::vector<Axis>> axes_;
-};
 
 Shape rod_of(int kind, float half) {
     switch (kind) {
@@ -177,19 +69,20 @@ struct Found {
 TEST(ShapeWayOut, RodsThroughWallsAreLedOut) {
     for (int kind = 0; kind < 5; ++kind) {
         Found found;
-        for (const int open : {1, 2, 3}) {
-            const Bin bin(open);
-            Random r(1300 + static_cast<std::uint64_t>(10 * kind + open));
+        for (std::uint64_t room = 0; room < 3; ++room) {
+            const Walled walls = oracle::walled(kRooms[room], kWall);
+            const Shape surface = surface_of(walls);
+            Random r(1303 + static_cast<std::uint64_t>(10 * kind) - room);
             for (int i = 0; i < 200; ++i) {
                 const Shape rod = rod_of(kind, i % 2 == 0 ? 0.15f : 0.5f);
                 const Pose at{{r.range(-0.6, 0.6), r.range(-0.6, 0.6), r.range(-0.6, 0.6)}, random_rotation(r)};
-                if (deepest_in(bin, rod, at, dvec3{0.0}) < 1e-4) continue;
+                if (deepest_in(walls, rod, at, dvec3{0.0}) < 1e-4) continue;
                 ++found.met;
                 std::vector<Manifold> m;
-                const CollideStatus status = collide({&rod, &bin.surface, at, {}, 0.0f}, 0, m);
+                const CollideStatus status = collide({&rod, &surface, at, {}, 0.0f}, 0, m);
                 ASSERT_FALSE(m.empty()) << kind << " " << i;
                 for (const Manifold& x : m) ASSERT_NEAR(glm::length(dvec3(x.normal)), 1.0, 1e-6);
-                const bool held = deepest_in(bin, rod, at, motion_of(m)) > 2e-3;
+                const bool held = deepest_in(walls, rod, at, motion_of(m)) > 2e-3;
                 found.held += held;
                 found.held_unsaid += held && status == CollideStatus::Ok;
             }
@@ -205,17 +98,18 @@ TEST(ShapeWayOut, RodsThroughWallsAreLedOut) {
 TEST(ShapeWayOut, TheWayIsAboutAsShortAsThereIs) {
     double excess = 0.0;
     int met = 0, longer = 0;
-    for (const int open : {1, 2, 3}) {
-        const Bin bin(open);
-        Random r(1350 + static_cast<std::uint64_t>(open));
+    for (std::uint64_t room = 0; room < 3; ++room) {
+        const Walled walls = oracle::walled(kRooms[room], kWall);
+        const Shape surface = surface_of(walls);
+        Random r(1353 - room);
         for (int i = 0; i < 40; ++i) {
             const Shape rod = rod_of(0, 0.5f);
             const Pose at{{r.range(-0.6, 0.6), r.range(-0.6, 0.6), r.range(-0.6, 0.6)}, random_rotation(r)};
-            const Exits exits(solid_of(std::get<Box>(rod), at, at.position), bin, at.position);
-            const double least = exits.least(r);
+            const Exits exits(std::array{solid_of(std::get<Box>(rod), at, at.position)}, oracle::solids_of(walls, {}, at.position));
+            const auto least = static_cast<double>(exits.least(r, 100));
             if (least < 1e-4) continue;
             std::vector<Manifold> m;
-            if (collide({&rod, &bin.surface, at, {}, 0.0f}, 0, m) != CollideStatus::Ok) continue;
+            if (collide({&rod, &surface, at, {}, 0.0f}, 0, m) != CollideStatus::Ok) continue;
             const double more = glm::length(motion_of(m)) - least;
             ++met;
             excess += std::max(0.0, more);
