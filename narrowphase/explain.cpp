@@ -47,10 +47,10 @@ struct Nearest {
     PieceFinding finding;
     std::uint32_t part_a = 0, part_b = 0, triangle = 0;
     ConvexPiece a, b;  // b: nothing of a plane
-    std::uint32_t triangle_b = 0;
     bool back_face = false;
     bool of_solid = false;  // the mesh stands for the solid that it bounds
     double size = 0.0;      // of what the accuracy is a share, where it is not the pieces' own
+    std::uint32_t triangle_b = 0;
 
     /// Whether what is `gap` away at least cannot take its place: what a one-sided mesh turns its front to goes before all else.
     [[nodiscard]] bool stays(bool is_back, double gap) const { return found && (is_back != back_face ? is_back : gap >= finding.axis.gap); }
@@ -321,9 +321,9 @@ PairExplanation explain(const ShapePair& pair) {
     why.part_a = nearest.part_a;
     why.part_b = nearest.part_b;
     why.triangle = nearest.triangle;
+    why.triangle_b = nearest.triangle_b;
     why.back_face = nearest.back_face;
     why.disagreement = disagreement_of(pair, nearest, why.status, deepest_one, separation);
-    why.triangle_b = nearest.triangle_b;
     const bool are_surfaces = is_mesh(*pair.a) && is_mesh(*pair.b) && !nearest.of_solid;  // whose patches are of many triangles
     if (deepest_one != nullptr && !are_surfaces) why.patch = patch_of(nearest, *deepest_one, a, b);
     why.distance = std::move(nearest.finding.distance);
