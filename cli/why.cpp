@@ -119,7 +119,7 @@ ExitCode why(const WhyOptions& options) {
     if (options.json != "-") {
         const std::string head = fmt::format("{}, step {}: {} and {}\n\n", run.name, explanation.step,
                                              "A is " + body_text(run.world, bodies->first), "B is " + body_text(run.world, bodies->second));
-        if (Status status = write_text("-", head + to_text(explanation, way_text(sweep, run.world)) + way); !status)
+        if (Status status = write_text("-", head + to_text(explanation, run.world, way_text(sweep, run.world)) + way); !status)
             return fail(ExitCode::Failed, status.error());
     }
     ExitCode code = ExitCode::Ok;

@@ -26,13 +26,14 @@ std::string feature_text(const SupportFeature& feature) {
 std::string filter_text(const FilterFinding& f) {
     const std::string who = f.any_moves ? "one of them is dynamic" : "neither is dynamic";
     const std::string layers = f.layers_agree ? "layers and masks agree" : "layers and masks do not agree";
-    return line("filter", fmt::format("{}; {} (A {:#x} in {:#x}, B {:#x} in {:#x})", who, layers, f.layer_a, f.mask_b, f.layer_b, f.mask_a));
+    return line("filter", fmt::format("{}; {} (A {:#x} in {:#x}, B {:#x} in {:#x}){}", who, layers, f.layer_a, f.mask_b, f.layer_b, f.mask_a,
+                                      f.joined ? "; a joint of their bodies leaves contacts out" : ""));
 }
 
 std::string bounds_text(const BoundsFinding& b) {
     const std::string along = b.axis < 0 ? "the plane's normal" : kAxisNames[b.axis];
     return line("bounds", b.gap > 0.0 ? fmt::format("apart by {:.6g} m along {}", b.gap, along)
-                                      : fmt::format("overlap, by {:.6g} m along {}, the least", -b.gap, along));
+                                      : fmt::format("overlap, by {:.6g} m along {}, the least", 0.0 - b.gap, along));
 }
 
 std::string broadphase_text(const BroadphaseFinding& b) {
@@ -69,9 +70,11 @@ std::string manifolds_text(const PairExplanation& c) {
     return text;
 }
 
-std::string contact_text(const PairExplanation& c) {
+std::string contact_text(const PairExplanation& c, bool are_meshes) {
     std::string text;
-    if (c.part_a + c.part_b + c.triangle != 0) {
+    if (are_meshes) {
+        text += line("nearest", fmt::format("triangle {} of A, triangle {} of B", c.triangle, c.triangle_b));
+    } else if (c.part_a + c.part_b + c.triangle != 0) {
         text += line("nearest", fmt::format("part {} of A, part {} of B, triangle {}", c.part_a, c.part_b, c.triangle));
     }
     if (c.axis) text += axis_text(*c.axis);
@@ -93,8 +96,13 @@ Json points_json(const std::vector<dvec3>& points) {
 }
 
 Json filter_json(const FilterFinding& f) {
-    return {{"layer_a", f.layer_a}, {"mask_a", f.mask_a},         {"layer_b", f.layer_b},
-            {"mask_b", f.mask_b},   {"layers_agree", f.layers_agree}, {"any_moves", f.any_moves}};
+    return {{"layer_a", f.layer_a},
+            {"mask_a", f.mask_a},
+            {"layer_b", f.layer_b},
+            {"mask_b", f.mask_b},
+            {"layers_agree", f.layers_agree},
+            {"any_moves", f.any_moves},
+            {"joined", f.joined}};
 }
 
 Json bounds_json(const BoundsFinding& b) { return {{"axis", b.axis < 0 ? "plane" : kAxisNames[b.axis]}, {"gap", b.gap}}; }
@@ -143,6 +151,7 @@ Json contact_json(const PairExplanation& c) {
             {"part_a", c.part_a},
             {"part_b", c.part_b},
             {"triangle", c.triangle},
+            {"triangle_b", c.triangle_b},
             {"back_face", c.back_face},
             {"axis", c.axis ? axis_json(*c.axis) : Json(nullptr)},
             {"distance", c.distance ? distance_json(*c.distance) : Json(nullptr)},
@@ -183,7 +192,7 @@ std::string body_text(const World& world, BodyId body) {
     return fmt::format("body {} ({}{}{})", body.slot, what, what.empty() ? "" : ", ", to_string(world.type(body)));
 }
 
-std::string to_text(const ContactExplanation& why, const std::string& way) {
+std::string to_text(const ContactExplanation& why, const World& world, const std::string& way) {
     std::string text;
     if (!why.pairs.empty()) {
         const ShapePairExplanation& pair = why.pairs[why.deciding];
@@ -191,7 +200,8 @@ std::string to_text(const ContactExplanation& why, const std::string& way) {
         if (pair.filter) text += filter_text(*pair.filter);
         if (pair.bounds) text += bounds_text(*pair.bounds);
         if (pair.broadphase) text += broadphase_text(*pair.broadphase);
-        if (pair.contact) text += contact_text(*pair.contact);
+        const auto is_mesh = [&](ShapeId id) { return type_of(world.shape(id)) == ShapeType::TriangleMesh; };
+        if (pair.contact) text += contact_text(*pair.contact, is_mesh(pair.shape_a) && is_mesh(pair.shape_b));
         if (pair.found && pair.found->carried) {
             text += line("step", fmt::format("carried {} points along from a step before, the nearest at {:.6g} m", pair.found->points,
                                              pair.found->least_separation));

@@ -1,6 +1,6 @@
 // An explanation of a pair as text (for people) and as JSON (for programs).
 //
-//   fmt::print("{}", to_text(why, run.world));
+//   fmt::print("{}", to_text(why, run.world, way));
 #pragma once
 
 #include <carom/dynamics/explain.hpp>
@@ -15,7 +15,7 @@ namespace carom::cli {
 [[nodiscard]] std::string body_text(const World& world, BodyId body);
 
 /// @return a line for each rung of the deciding pair, those of their way, and the sentence.
-[[nodiscard]] std::string to_text(const ContactExplanation& why, const std::string& way);
+[[nodiscard]] std::string to_text(const ContactExplanation& why, const World& world, const std::string& way);
 
 /// @return the keys that docs/cli.md defines; what a pair did not reach is null.
 [[nodiscard]] nlohmann::ordered_json to_json(const ContactExplanation& why, const World& world);

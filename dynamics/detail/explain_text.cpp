@@ -74,7 +74,8 @@ std::string margin_text(const StepContacts& found, double margin) {
 }
 
 std::string touch_text(const StepContacts& found, const PairExplanation& contact) {
-    return "they overlap by " + metres(-found.least_separation) + (contact.axis ? " " + across(*contact.axis) : "") + ", with " +
+    const std::string how = found.least_separation < 0.0 ? "they overlap by " + metres(-found.least_separation) : "their surfaces meet";
+    return how + (contact.axis ? " " + across(*contact.axis) : "") + ", with " +
            count_of(found.points, "point") + " of contact in " + count_of(found.manifolds, "manifold");
 }
 

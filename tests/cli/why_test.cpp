@@ -7,6 +7,7 @@
 #include <filesystem>
 #include <fstream>
 #include <regex>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
@@ -255,6 +256,52 @@ std::vector<std::string> words_of(const std::string& command) {
 /// Numbers may change with the engine; what is said about them may not.
 std::string without_numbers(const std::string& text) {
     return std::regex_replace(text, std::regex("-?[0-9][0-9.]*(e[-+]?[0-9]+)?"), "#");
+}
+
+void collect_keys(const Json& json, std::set<std::string>& keys) {
+    if (json.is_object()) {
+        for (const auto& [key, value] : json.items()) keys.insert(key);
+    }
+    for (const Json& value : json) {
+        if (value.is_structured()) collect_keys(value, keys);
+    }
+}
+
+TEST(Why, TheDocumentsNameEveryKey) {
+    std::ifstream file(std::string(CAROM_TEST_DATA) + "/../docs/cli.md");
+    std::stringstream text;
+    text << file.rdbuf();
+    const std::string all = text.str();
+    const std::size_t from = all.find("The keys of its report; what a pair did not reach is null"), to = all.find("## `carom cast`");
+    ASSERT_LT(from, to);
+    const std::string table = all.substr(from, to - from);
+    const TemporaryFolder folder;
+    const std::string file_of_shot = shot_file(folder);
+    std::set<std::string> keys;
+    for (const std::vector<std::string>& command :
+         {std::vector<std::string>{"why", "0", "1", "tall_stack", "--bodies", "3", "--steps", "30", "--json", "-"},
+          {"why", "shot", "wall", file_of_shot, "--steps", "3", "--json", "-"},
+          {"why", "shot", "wall", file_of_shot, "--steps", "6", "--no-continuous", "--json", "-"}}) {
+        const Outcome outcome = carom(command);
+        ASSERT_EQ(outcome.code, 0) << outcome.err;
+        collect_keys(Json::parse(outcome.out, nullptr, false), keys);
+    }
+    EXPECT_TRUE(keys.contains("simplex_a") && keys.contains("common") && keys.contains("remedy")) << "reports that reach everything";
+    for (const std::string& key : keys) {
+        EXPECT_TRUE(std::regex_search(table, std::regex("[`.]" + key + "[`\\[.]"))) << key << " is not in docs/cli.md";
+    }
+}
+
+TEST(Why, TwoMeshesAreApartByTheDistanceOfTheirNearestTriangles) {
+    const TemporaryFolder folder;
+    const std::string file = folder.write("pots.json", R"({"gravity": [0, 0, 0], "bodies": [
+        {"name": "low", "position": [0, 0, 0], "type": "static", "shapes": [{"type": "triangle_mesh", "generate": "teapot", "size": 1}]},
+        {"name": "high", "position": [0, 1.5, 0], "shapes": [{"type": "triangle_mesh", "generate": "teapot", "size": 1}]}]})");
+    const Outcome outcome = carom({"why", "low", "high", file, "--steps", "1"});
+    EXPECT_EQ(outcome.code, 0) << outcome.err;
+    for (const char* words : {"nearest     triangle ", "axis        gap of ", "distance    ", "verdict     apart"}) {
+        EXPECT_TRUE(has(outcome.out, words)) << words << "\n" << outcome.out;
+    }
 }
 
 TEST(Why, SaysWhatTheDocumentsShow) {

@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <fstream>
 #include <string>
 #include <vector>
 
@@ -102,6 +103,27 @@ TEST(Explain, EachRungIsReached) {
     expect(a, plane, Rung::OutOfStep, "did not know");
     world.step(kDt);
     expect(a, plane, Rung::Bounds, "above what the plane may reach");
+}
+
+TEST(Explain, TheDocumentsNameEveryRung) {
+    std::ifstream page(std::string(CAROM_TEST_DATA) + "/../docs/cli.md");
+    std::string row;
+    while (std::getline(page, row) && !row.starts_with("| `rung` |")) {
+    }
+    ASSERT_FALSE(row.empty());
+    for (int r = 0; r <= static_cast<int>(Rung::Touch); ++r) {
+        const std::string name = to_string(static_cast<Rung>(r));
+        EXPECT_NE(row.find("`" + name + "`"), std::string::npos) << name;
+    }
+}
+
+TEST(Explain, WhatMeetsExactlyIsNotSaidToOverlapByNothing) {
+    World world({.gravity = {0, 0, 0}});
+    const BodyId low = put(world, {0, 0, 0}, BodyType::Static), high = put(world, {0, 1, 0});
+    world.step(kDt);
+    const ContactExplanation why = world.explain(low, high);
+    EXPECT_EQ(why.rung, Rung::Touch);
+    EXPECT_TRUE(says(why, "they touch because their surfaces meet over face")) << why.sentence;
 }
 
 TEST(Explain, AStepThatLooksForNoContactsSaysSo) {
