@@ -115,8 +115,11 @@ Row row(const GroupRequest& request, const char* bench, const Tally& tally, cons
         out.carom_quality = {{quality, static_cast<double>(tally.carom)}, {"least_speedup", tally.least_speedup}};
         out.peer_quality = {{quality, static_cast<double>(tally.peer)}};
     }
-    fmt::print(request.table, "{:<23} carom {:>10.4f} ms   fcl {:>10.4f} ms   {:>7.2f}x", bench, tally.carom_ms, tally.peer_ms, speedup(out));
-    if (quality != nullptr) fmt::print(request.table, "   at least {:.2f}x at every pose   {} {} and {}", tally.least_speedup, quality, tally.carom, tally.peer);
+    fmt::print(request.table, "{:<23} carom {:>10.4f} ms   fcl {:>10.4f} ms   {:>7.2f}x", bench, tally.carom_ms, tally.peer_ms,
+               speedup(out));
+    if (quality != nullptr)
+        fmt::print(request.table, "   at least {:.2f}x at every pose   {} {} and {}", tally.least_speedup, quality, tally.carom,
+                   tally.peer);
     fmt::print(request.table, "\n");
     std::fflush(request.table);
     return out;
@@ -204,7 +207,8 @@ Result<std::vector<Row>> run_narrowphase_group(const GroupRequest& request) {
         rows.push_back(row(request, ask.bench, tally, ask.all ? "pairs" : "poses_that_touch"));
         if (const Status status = ask.same ? check_same(tally) : Status{}; !status) return status.error();
     }
-    if (rows.size() == convex && convex == 0) return Error{ErrorCode::UnknownName, fmt::format("no row of the group matches \"{}\"", request.filter), "filter"};
+    if (rows.size() == convex && convex == 0)
+        return Error{ErrorCode::UnknownName, fmt::format("no row of the group matches \"{}\"", request.filter), "filter"};
     return rows;
 }
 

@@ -71,11 +71,14 @@ void take_contact(const PlacedMesh& a, const PlacedMesh& b, const Deepest& deepe
     axis.gap = deepest.separation;
     axis.on_a = deepest.position - 0.5 * deepest.separation * deepest.normal;
     axis.on_b = deepest.position + 0.5 * deepest.separation * deepest.normal;
-    const std::optional<ClosestOnMesh> of_a = closest_point(a.mesh.bvh(), to_own(a, axis.on_a)), of_b = closest_point(b.mesh.bvh(), to_own(b, axis.on_b));
+    const std::optional<ClosestOnMesh> of_a = closest_point(a.mesh.bvh(), to_own(a, axis.on_a)),
+                                       of_b = closest_point(b.mesh.bvh(), to_own(b, axis.on_b));
     if (of_a && of_b) take_triangles(a, b, {of_a->triangle, of_b->triangle}, gap);
     axis.of_a = gap.a.support(deepest.normal).feature;
     axis.of_b = gap.b.support(-deepest.normal).feature;
-    axis.verdict = axis.gap > axis.rounding ? PairVerdict::Apart : axis.gap < -axis.rounding ? PairVerdict::Touching : PairVerdict::Undecided;
+    axis.verdict = axis.gap > axis.rounding    ? PairVerdict::Apart
+                   : axis.gap < -axis.rounding ? PairVerdict::Touching
+                                               : PairVerdict::Undecided;
 }
 
 }  // namespace

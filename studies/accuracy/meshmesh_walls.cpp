@@ -111,7 +111,8 @@ const std::vector<Kind>& kinds() {
     static const std::vector<Kind> all{
         {"", "share of the pairs that are not led out: the motion by all contacts leaves them over 2 mm deep", "1",
          [share](const Ways& w) { return share(w.held, w); }},
-        {"_unsaid", "share of the pairs that are not led out and not said to be undecided", "1", [share](const Ways& w) { return share(w.unsaid, w); }},
+        {"_unsaid", "share of the pairs that are not led out and not said to be undecided", "1",
+         [share](const Ways& w) { return share(w.unsaid, w); }},
         {"_excess", "by how much the motion is longer than the shortest way, mean of those that are led out", "m",
          [of_led](const Ways& w) { return of_led(w.excess / static_cast<double>(w.pairs - w.held), w); }},
         {"_longest", "by how much the motion is longer than the shortest way, the most of those that are led out", "m",
@@ -144,7 +145,8 @@ void add_studies(const std::string& name, const std::string& pairs, const Group&
                     .stage = "mesh against mesh",
                     .error = kind.error,
                     .unit = kind.unit,
-                    .oracle = fmt::format("the least of {} directions and all separating axes of the parts, in long double; {}", kDirections, pairs),
+                    .oracle = fmt::format("the least of {} directions and all separating axes of the parts, in long double; {}",
+                                          kDirections, pairs),
                     .time = "collide() of one pair, of the processor",
                     .candidates = {}};
         for (const auto& [settings, cases] : group) study.candidates.push_back(candidate(cases, settings, kind.measure));
@@ -158,19 +160,21 @@ std::vector<Study> meshmesh_wall_studies(const StudyOptions& options) {
     const std::size_t count = options.quick ? 20 : 400;
     std::vector<Study> studies;
     Group rods, nooks;
-    const std::pair<const char*, unsigned> rooms[] = {{"L", oracle::kFloor | oracle::kLeft},
-                                                      {"U", oracle::kFloor | oracle::kLeft | oracle::kRight},
-                                                      {"bin", oracle::kAllWalls}};
+    const std::pair<const char*, unsigned> rooms[] = {
+        {"L", oracle::kFloor | oracle::kLeft}, {"U", oracle::kFloor | oracle::kLeft | oracle::kRight}, {"bin", oracle::kAllWalls}};
     std::uint64_t seed = 81;
     for (const auto& [name, walls] : rooms) {
         for (const float length : {0.3f, 1.0f, 2.0f}) {
-            rods.push_back({{{"walls", std::string(name)}, {"length", static_cast<double>(length)}}, rod_cases(walls, length, count, seed++)});
+            rods.push_back(
+                {{{"walls", std::string(name)}, {"length", static_cast<double>(length)}}, rod_cases(walls, length, count, seed++)});
         }
     }
     nooks.push_back({{{"deep", std::string("up to 0.1 m")}}, nook_cases(0.0, 0.1, count / 2, seed++)});
     nooks.push_back({{{"deep", std::string("0.1 to 0.3 m")}}, nook_cases(0.1, 0.3, count / 2, seed++)});
-    add_studies("meshmesh_walls", fmt::format("{} rods of 3 x 3 cm through walls of 3 cm of a room of 1 m, for each kind", count), rods, studies);
-    add_studies("meshmesh_nooks", fmt::format("{} pairs of nooks of two walls of 1 m and 0.1 m, for each depth", count / 2), nooks, studies);
+    add_studies("meshmesh_walls", fmt::format("{} rods of 3 x 3 cm through walls of 3 cm of a room of 1 m, for each kind", count), rods,
+                studies);
+    add_studies("meshmesh_nooks", fmt::format("{} pairs of nooks of two walls of 1 m and 0.1 m, for each depth", count / 2), nooks,
+                studies);
     return studies;
 }
 

@@ -15,6 +15,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace carom::oracle {
@@ -93,7 +94,8 @@ inline Walled walled(unsigned walls, float thickness) {
 /// The walls where a pose puts the room, from `origin`.
 inline std::vector<Solid> solids_of(const Walled& room, const Pose& pose, const dvec3& origin) {
     std::vector<Solid> solids;
-    for (const Wall& wall : room.walls) solids.push_back(solid_of(wall.box, {transform_point(pose, wall.centre), pose.orientation}, origin));
+    for (const Wall& wall : room.walls)
+        solids.push_back(solid_of(wall.box, {transform_point(pose, wall.centre), pose.orientation}, origin));
     return solids;
 }
 

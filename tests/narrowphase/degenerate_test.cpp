@@ -48,7 +48,8 @@ Shape surface_of(const ConvexHull& hull, bool degenerate) {
 
 /// Triangles without an area: points, segments, three corners in line, and twice each.
 Shape dust() {
-    const std::vector<vec3> vertices{{0, 0, 0}, {0.3f, 0, 0}, {-0.3f, 0, 0}, {0, 0.4f, 0}, {0, 0, 0}, {0.1f, 0.1f, 0.1f}, {0.2f, 0.2f, 0.2f}};
+    const std::vector<vec3> vertices{{0, 0, 0}, {0.3f, 0, 0},       {-0.3f, 0, 0},     {0, 0.4f, 0},
+                                     {0, 0, 0}, {0.1f, 0.1f, 0.1f}, {0.2f, 0.2f, 0.2f}};
     return *TriangleMesh::build(vertices, std::vector<TriangleMesh::Triangle>{
                                               {0, 0, 0}, {0, 4, 0}, {0, 1, 2}, {0, 1, 1}, {3, 0, 3}, {0, 5, 6}, {0, 5, 6}, {1, 0, 2}});
 }
@@ -57,8 +58,9 @@ Shape dust() {
 /// triangles without an area, and nothing but these.
 std::vector<Shape> odd_shapes() {
     Random r(77);
-    std::vector<Shape> shapes{Sphere{0.5f},         Box{{0.5f, 0.4f, 0.3f}}, Capsule{0.2f, 0.5f}, Plane{{0, 1, 0}, 0.0f}, random_hull(r, 20, 0.4, 0.7),
-                              Cylinder{0.4f, 0.5f}, Cone{0.4f, 0.5f}};
+    std::vector<Shape> shapes{Sphere{0.5f},           Box{{0.5f, 0.4f, 0.3f}},      Capsule{0.2f, 0.5f},
+                              Plane{{0, 1, 0}, 0.0f}, random_hull(r, 20, 0.4, 0.7), Cylinder{0.4f, 0.5f},
+                              Cone{0.4f, 0.5f}};
     shapes.push_back(*Compound::build({{Sphere{0.3f}, {{0.2, 0, 0}}}, {Box{{0.2f, 0.3f, 0.2f}}, {}}, {Cone{0.2f, 0.3f}, {}}}));
     shapes.push_back(surface_of(*std::get<ConvexHullPtr>(shapes[4]), false));
     std::vector<vec3> plate;
@@ -120,7 +122,8 @@ TEST(Degenerate, EveryAnswerIsFiniteAndTheSameAloneAndInBatchesOfAnyWidth) {
             }();
             ASSERT_EQ(status, again_status) << i;
             for (; first < single.size(); ++first) {
-                ASSERT_TRUE(finite(single[first])) << i << ": " << to_string(type_of(*odd.pairs[i].a)) << " " << to_string(type_of(*odd.pairs[i].b));
+                ASSERT_TRUE(finite(single[first]))
+                    << i << ": " << to_string(type_of(*odd.pairs[i].a)) << " " << to_string(type_of(*odd.pairs[i].b));
             }
         }
         EXPECT_GT(single.size(), odd.pairs.size() / 2);
@@ -190,7 +193,8 @@ TEST(Degenerate, TrianglesWithoutAnAreaTouchBallsAloneAndTakeNothingAway) {
     ASSERT_GT(std::get<TriangleMeshPtr>(strewn)->degenerate_count(), 0u);
     ASSERT_EQ(std::get<TriangleMeshPtr>(none)->degenerate_count(), std::get<TriangleMeshPtr>(none)->triangles().size());
     int touching = 0;
-    for (const ShapeType type : {ShapeType::Sphere, ShapeType::Box, ShapeType::Capsule, ShapeType::ConvexHull, ShapeType::Cylinder, ShapeType::Cone}) {
+    for (const ShapeType type :
+         {ShapeType::Sphere, ShapeType::Box, ShapeType::Capsule, ShapeType::ConvexHull, ShapeType::Cylinder, ShapeType::Cone}) {
         for (int i = 0; i < 60; ++i) {
             SCOPED_TRACE(testing::Message() << to_string(type) << " " << i);
             const Shape shape = random_shape(type, r);
@@ -228,7 +232,8 @@ TEST(Degenerate, EachNumberOfAPoseThatIsNoneIsRefusedForEveryTwoTypes) {
         for (const Shape& b : shapes) {
             if (!can_collide(type_of(a), type_of(b))) continue;
             for (int k = 0; k < 14; ++k) {
-                const double bad = k % 3 == 0 ? std::numeric_limits<double>::quiet_NaN() : (k % 3 == 1 ? 1.0 : -1.0) * std::numeric_limits<double>::infinity();
+                const double bad = k % 3 == 0 ? std::numeric_limits<double>::quiet_NaN()
+                                              : (k % 3 == 1 ? 1.0 : -1.0) * std::numeric_limits<double>::infinity();
                 Pose poses[2];
                 Pose& pose = poses[k / 7];
                 double* const numbers[] = {&pose.position.x,    &pose.position.y,    &pose.position.z,   &pose.orientation.x,
